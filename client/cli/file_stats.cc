@@ -105,6 +105,7 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
   }
   MeshStatistics statistics = ComputeStatistics(
       files->mesh, flags.rho.value_or(DefaultQuality(dimension)), flags.min_dihedral.value_or(0));
+  statistics.names = files->names;
   if (!flags.svg.empty()) {
     io::HistogramOptions options;
     options.width = flags.width;

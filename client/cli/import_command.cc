@@ -248,8 +248,9 @@ int Run(const ImportCommand& command) {
   if (command.tolerance && !command.clean) {
     return ReportError(absl::InvalidArgumentError("--tolerance needs --clean"));
   }
-  absl::StatusOr<Input> input =
-      command.polygons ? LoadMapWithPolygons(command.input) : LoadInput(command.input);
+  InputFlags reading;
+  reading.polygons = command.polygons;
+  absl::StatusOr<Input> input = LoadInput(command.input, reading);
   if (!input.ok()) return ReportError(input.status());
   if (auto status = ExpectPlanar(*input, command.input); !status.ok()) return ReportError(status);
   for (const std::string& warning : input->warnings) PrintWarning(warning);

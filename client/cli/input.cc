@@ -4,9 +4,11 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <set>
 #include <string_view>
 #include <utility>
 
+#include "core/base/rings.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
 #include "core/io/common/extension.h"
@@ -30,10 +32,13 @@ void SetWhere(io::FileFeatures file, Input& input) {
   input.where = [source](FeatureId id) { return source->Where(id); };
 }
 
-void WarnOfMarkers(const io::FileFeatures& file, const std::string& path, Input& input) {
-  if (file.markers == 0) return;
-  input.warnings.push_back(Concat(path, ": ", file.markers,
-                                  " marker(s) ignored: markers of the output are ids of features"));
+// The file's labels, with the names of a map's polygons.
+void TakeLabels(io::FileFeatures& file, Input& input) {
+  for (const io::PolygonName& polygon : file.polygons) {
+    const std::string& name = polygon.name.empty() ? polygon.key : polygon.name;
+    if (!name.empty()) file.labels.names[polygon.id] = name;
+  }
+  input.labels = std::make_shared<const io::FeatureLabels>(std::move(file.labels));
 }
 
 Input FromPlanar(io::FileFeatures planar, const std::string& path) {
@@ -42,9 +47,8 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   const auto ignored = [&](std::uint64_t count, const char* what) {
     if (count != 0) input.warnings.push_back(Concat(path, ": ", count, " ", what, " ignored"));
   };
-  ignored(planar.attributes, "attribute(s) a vertex");
   ignored(planar.heights, "height(s)");
-  WarnOfMarkers(planar, path, input);
+  TakeLabels(planar, input);
   if (planar.wraps != 0) {
     input.warnings.push_back(Concat(path, ": ", planar.wraps,
                                     " segment(s) span more than 180 degrees and are drawn right "
@@ -63,9 +67,31 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   return input;
 }
 
+// A segment along each edge between faces of different markers: it keeps them from being joined.
+// Ids are above all others.
+void DivideByMarkers(const io::FeatureLabels& labels, std::vector<Feature>& features) {
+  if (labels.markers.empty()) return;
+  FeatureId next_id = 0;
+  std::map<std::pair<FeatureId, FeatureId>, std::int64_t> marker_of;
+  std::set<std::pair<FeatureId, FeatureId>> divided;
+  for (const Feature& f : features) {
+    next_id = std::max(next_id, f.id);
+    if (f.kind != FeatureKind::kPolygon) continue;
+    const std::int64_t marker = labels.MarkerOf(f.id);
+    ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
+      const auto [it, is_new] = marker_of.emplace(std::minmax(p, q), marker);
+      if (!is_new && it->second != marker) divided.insert(it->first);
+    });
+  }
+  for (const auto& [p, q] : divided) features.push_back(Feature::Segment(++next_id, p, q));
+}
+
 // Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
 absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
   const double limit = plc::CloseLimit(input.options);
+  FeatureId last = 0;
+  for (const Feature& f : input.features) last = std::max(last, f.id);
+  DivideByMarkers(*input.labels, input.features);
   absl::StatusOr<coplanar::MergedFaces> merged = coplanar::MergeCoplanar(
       input.features, flags.coplanar_tolerance,
       [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
@@ -79,6 +105,7 @@ absl::Status Merge(const std::string& path, const InputFlags& flags, Input& inpu
                                     "wants polygons flat to 1e-9 of their extent"));
   }
   input.features = std::move(merged->features);
+  std::erase_if(input.features, [&](const Feature& f) { return f.id > last; });
   return absl::OkStatus();
 }
 
@@ -94,15 +121,12 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   input.options.quality = DefaultQuality(3);
   input.options.min_dihedral = DefaultMinDihedral(3);
   input.options.box = io::BoundingBox(file.features, 3);
+  TakeLabels(file, input);
   if (flags.merge_coplanar) {
     input.features = std::move(file.features);
     if (auto s = Merge(path, flags, input); !s.ok()) return s;
     file.features = std::move(input.features);
   }
-  if (file.attributes != 0) {
-    input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
-  }
-  WarnOfMarkers(file, path, input);
   input.holes = std::move(file.holes);
   input.regions = std::move(file.regions);
   input.seed_file = path;
@@ -175,6 +199,7 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
     }
   }
   Input input = state.Finish(script.Options());
+  input.labels = std::make_shared<const io::FeatureLabels>(script.labels);
   input.where_option = [header = HeaderOf(script)](std::string_view option) {
     return header.WhereOption(option);
   };
@@ -209,12 +234,6 @@ absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
 
 }  // namespace
 
-absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
-  if (IsMap(path)) return LoadMap(path, true);
-  return absl::InvalidArgumentError(
-      Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
-}
-
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
@@ -227,6 +246,8 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
       ->type_name("T")
       ->needs(merge)
       ->check(CLI::NonNegativeNumber);
+  command.add_flag("--polygons", flags.polygons,
+                   "Polygons of a map become polygon features, not segments");
 }
 
 absl::Status ExpectPlanar(const Input& input, const std::string& path) {
@@ -237,6 +258,10 @@ absl::Status ExpectPlanar(const Input& input, const std::string& path) {
 
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   const std::string extension = io::ExtensionOf(path);
+  if (flags.polygons && !IsMap(path)) {
+    return absl::InvalidArgumentError(
+        Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
+  }
   using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
   const std::map<std::string, Read> in_space = {
       {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},
@@ -259,7 +284,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   }
   if (IsMap(path)) {
     if (flags.merge_coplanar) return RefuseMerge(path);
-    return LoadMap(path, false);
+    return LoadMap(path, flags.polygons);
   }
   if (IsOtherGeometry(extension)) {
     return absl::UnimplementedError(Concat(path, ": ", extension,
@@ -281,6 +306,18 @@ absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path,
                                                       dimension));
   }
   return input;
+}
+
+std::string LabelsLeftOut(const Input& input, const std::string& path) {
+  const io::FeatureLabels& labels = *input.labels;
+  std::string what;
+  const auto add = [&](std::uint64_t count, const char* of_what) {
+    if (count != 0) what += Concat(what.empty() ? "" : ", ", count, " ", of_what);
+  };
+  add(labels.markers.size(), "marker(s)");
+  add(labels.names.size(), "name(s)");
+  add(labels.attributes, "attribute(s) of points");
+  return what.empty() ? "" : Concat(path, ": ", what, " left out: a server's mesh has none");
 }
 
 absl::Status Locate(const absl::Status& status,

@@ -3,6 +3,7 @@
 #define DYNMESH_CLIENT_CLI_INPUT_H_
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,8 @@ struct Input {
   std::string seed_file;
   std::vector<FeatureId> hole_polygons;        // of `holes`, ascending
   std::vector<io::PolygonName> polygon_names;  // of a map's polygons
+  // Markers, names and attributes of points; names of a map's polygons, too. Not null.
+  std::shared_ptr<const io::FeatureLabels> labels = std::make_shared<const io::FeatureLabels>();
   // "file:line" of a feature, empty if unknown.
   std::function<std::string(FeatureId)> where;
   // "file:line: rho" of the input's setting of a member of MeshOptions; empty if there is none.
@@ -36,12 +39,14 @@ struct Input {
   };
 };
 
-// Flags for reading. INVALID_ARGUMENT if faces are to be merged and the input is 2D.
+// Flags for reading. INVALID_ARGUMENT if faces are to be merged and the input is 2D, or if polygons
+// are asked for and it is no map.
 struct InputFlags {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
+  bool polygons = false;  // a map's polygons become polygon features
 };
-// --merge-coplanar and --coplanar-tolerance.
+// --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl and .obj;
@@ -59,15 +64,17 @@ absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path,
                                       const InputFlags& flags = {});
 // UNIMPLEMENTED for 3D features, for commands that support 2D only.
 absl::Status ExpectPlanar(const Input& input, const std::string& path);
-// Reads a map and keeps its polygons (io/map_files.h). INVALID_ARGUMENT for any other file.
-absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path);
 
 // Appends a polygon for each hole, then for each region: the face of the segments that contains its
 // seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is
 // ignored, and of several seeds in one face the first counts: the others are skipped, with a
 // warning each. INVALID_ARGUMENT as `file:line: ...` for a seed on a segment. Segments must not
-// cross; the mesh refuses them otherwise. Nothing is done in 3D.
+// cross; the mesh refuses them otherwise. A region's largest area becomes a sizing polygon, with
+// the ids after those. Nothing is done in 3D.
 absl::Status AddSeedPolygons(Input& input);
+
+// What is said of features and a server's mesh has no place for: a warning, or empty.
+std::string LabelsLeftOut(const Input& input, const std::string& path);
 
 // `status` with the position of the first feature to blame before its message, and those of the
 // others after it.

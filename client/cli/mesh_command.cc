@@ -27,6 +27,7 @@ struct MeshCommand {
   MeshFlags mesh;
   OutputFlags output;
   SelectionFlags selection;
+  std::string markers;
   bool json = false;
   std::shared_ptr<RemoteMesher> remote;  // may be null
 };
@@ -103,6 +104,18 @@ int Run(const MeshCommand& command) {
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
   if (!selection.ok()) return ReportError(selection.status());
+  MeshLabels labels;
+  labels.features = input->labels;
+  labels.regions = input->regions;
+  if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
+    return ReportError(status);
+  }
+  if (command.markers.empty() && !input->labels->markers.empty()) {
+    input->warnings.push_back(absl::StrFormat(
+        "%s: %d marker(s) of the input: files other than .vtu have ids of features as markers; "
+        "--markers input keeps those of the input",
+        command.input, input->labels->markers.size()));
+  }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   MeshOptions options = input->options;
   if (auto status = ApplyMeshFlags(command.mesh, options, MeshLife::kFromScratch); !status.ok()) {
@@ -139,7 +152,7 @@ int Run(const MeshCommand& command) {
     if (!mesh.ok()) return ReportError(mesh.status());
   }
   const QualityReport quality = MeasureQuality(*mesh, options);
-  if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
+  if (auto status = WriteOutputs(*mesh, options, command.output, labels); !status.ok()) {
     return ReportError(status);
   }
   return PrintOut(Summarise(*mesh, quality, options.min_dihedral, took.count(), command.json))
@@ -159,6 +172,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
+  AddMarkersFlag(*sub, command->markers);
   sub->add_flag("--json", command->json, "Print one JSON object");
   if (command->remote != nullptr) command->remote->AddFlags(*sub);
 }

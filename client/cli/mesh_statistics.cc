@@ -167,7 +167,10 @@ std::string StatisticsText(const MeshStatistics& s) {
     absl::StrAppendFormat(&text, "\n%12s  %12s  %s\n", SimplicesWord(s.dimension),
                           SizeWord(s.dimension), "inside");
     for (const RegionStatistics& region : s.regions) {
-      const std::string polygons = io::FormatPolygons(region.polygons);
+      std::string polygons = io::FormatPolygons(region.polygons);
+      if (region.polygons.size() == 1 && s.names.contains(region.polygons[0])) {
+        polygons += " " + s.names.at(region.polygons[0]);
+      }
       absl::StrAppendFormat(&text, "%12d  %12.6g  %s\n", region.simplices, region.size,
                             polygons.empty() ? "no polygon" : polygons);
     }
@@ -217,6 +220,11 @@ std::string StatisticsJson(const MeshStatistics& s) {
         .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho));
   }
   if (s.conformity) object.AddObject("lfs_over_lms", ConformityJson(*s.conformity));
+  if (!s.names.empty()) {
+    JsonObject names;
+    for (const auto& [id, name] : s.names) names.AddText(std::to_string(id), name);
+    object.AddObject("names", names);
+  }
   return object.Add("histogram_step_deg", 1)
       .AddCounts("least_angle_histogram", s.least_angles)
       .AddCounts("angle_histogram", s.angles)

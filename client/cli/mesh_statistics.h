@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,7 @@ struct MeshStatistics {
   std::vector<std::uint64_t> least_angles;   // one per simplex; 60 entries, in 3D 75
   std::vector<std::uint64_t> angles;         // three per triangle, six per tetrahedron; 180 entries
   std::vector<RegionStatistics> regions;     // by number; no polygon first
+  std::map<FeatureId, std::string> names;    // of features
   std::optional<SizeConformity> conformity;  // where the input is known
 };
 

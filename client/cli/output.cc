@@ -176,11 +176,12 @@ absl::Status WriteLeaves(const Mesh& mesh, const MeshOptions& options, const Out
 }  // namespace
 
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
-                          const SimplexColumn& highlight) {
+                          const MeshLabels& labels, const SimplexColumn& highlight) {
   if (flags.paths.empty()) return absl::OkStatus();
   if (options.kind == MeshKind::kQuadtree) return WriteLeaves(mesh, options, flags);
-  const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
+  absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return absl::InternalError(indexed.status().message());
+  ApplyLabels(labels, *indexed);
   for (const std::string& path : flags.paths) {
     const std::string extension = ExtensionOf(path);
     absl::Status status;

@@ -7,6 +7,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "client/cli/labels.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
 
@@ -30,10 +31,10 @@ absl::Status CheckOutputs(const OutputFlags& flags);
 // The same when the dimension and kind of the mesh are known.
 absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags);
 
-// Writes every file. Pictures show the box of `options` unless cropped, and highlight the simplices
-// `highlight`.
+// Writes every file, with `labels`. Pictures show the box of `options` unless cropped, and
+// highlight the simplices `highlight`.
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
-                          const SimplexColumn& highlight = {});
+                          const MeshLabels& labels = {}, const SimplexColumn& highlight = {});
 
 }  // namespace dynmesh::cli
 

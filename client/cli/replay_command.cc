@@ -33,6 +33,7 @@ struct ReplayCommand {
   MeshFlags mesh;
   OutputFlags output;
   SelectionFlags selection;
+  std::string markers;
   bool json = false;
   bool highlight = false;
 };
@@ -55,6 +56,8 @@ class Replay {
     absl::StatusOr<Selection> selection = Selection::Parse(command_.selection, input_, false);
     if (!selection.ok()) return selection.status();
     selection_ = *std::move(selection);
+    labels_.features = std::make_shared<const io::FeatureLabels>(script_.labels);
+    if (auto s = ParseMarkersFlag(command_.markers, labels_); !s.ok()) return s;
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     if (auto s = CheckOutputsOf(options, command_.output); !s.ok()) return s;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
@@ -216,7 +219,7 @@ class Replay {
       if (!part.ok()) return part.status();
       mesh = *std::move(part);
     }
-    return WriteOutputs(mesh, options, command_.output,
+    return WriteOutputs(mesh, options, command_.output, labels_,
                         command_.highlight ? last_added_ : SimplexColumn());
   }
 
@@ -240,7 +243,8 @@ class Replay {
   std::uint64_t simplices_ = 0;
   std::uint64_t added_simplices_ = 0;
   std::uint64_t edits_ = 0;
-  Input input_;          // what is known of the script, for `selection_`
+  Input input_;  // what is known of the script, for `selection_`
+  MeshLabels labels_;
   Selection selection_;  // the part of the last mesh to write
   SimplexColumn last_added_;
   const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
@@ -274,6 +278,7 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
+  AddMarkersFlag(*sub, command->markers);
   sub->add_flag("--highlight", command->highlight,
                 "In pictures: show what the last revision added; without --fill the same as "
                 "--fill change");

@@ -6,6 +6,7 @@
 
 #include "client/cleaning/seed_faces.h"
 #include "client/cli/input.h"
+#include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -29,12 +30,6 @@ absl::Status AddSeedPolygons(Input& input) {
   for (const io::SeedRow& row : input.holes) seeds.push_back({"hole", &row});
   for (const io::SeedRow& row : input.regions) seeds.push_back({"region", &row});
   if (seeds.empty() || input.options.dimension == 3) return absl::OkStatus();
-  const auto says_more = [](const io::SeedRow& row) { return !row.more.empty(); };
-  if (std::any_of(input.regions.begin(), input.regions.end(), says_more)) {
-    input.warnings.push_back(Concat(input.seed_file,
-                                    ": attributes and largest areas of regions ignored; polygons "
-                                    "are told apart by id"));
-  }
   std::vector<cleaning::Point> positions;
   for (const Seed& seed : seeds) {
     positions.push_back({seed.row->position[0], seed.row->position[1]});
@@ -42,6 +37,12 @@ absl::Status AddSeedPolygons(Input& input) {
   const std::vector<cleaning::SeedFace> faces = cleaning::FindSeedFaces(input.features, positions);
   FeatureId next_id = 0;
   for (const Feature& f : input.features) next_id = std::max(next_id, f.id);
+  struct Limit {
+    Rings rings;
+    double target;
+    std::string where;
+  };
+  std::vector<Limit> limits;
   auto lines = std::make_shared<std::map<FeatureId, std::string>>();
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     ++next_id;
@@ -61,7 +62,14 @@ absl::Status AddSeedPolygons(Input& input) {
       input.features.push_back(Feature::Polygon(next_id, faces[i].rings));
       if (i < input.holes.size()) input.hole_polygons.push_back(next_id);
       lines->emplace(next_id, where);
+      if (seeds[i].row->more.size() > 1 && seeds[i].row->more[1] > 0) {
+        limits.push_back({faces[i].rings, TargetOfArea(seeds[i].row->more[1]), where});
+      }
     }
+  }
+  for (Limit& limit : limits) {
+    input.features.push_back(Feature::SizePolygon(++next_id, std::move(limit.rings), limit.target));
+    lines->emplace(next_id, limit.where);
   }
   input.where = [lines, others = std::move(input.where)](FeatureId id) {
     const auto it = lines->find(id);

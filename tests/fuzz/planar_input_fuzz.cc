@@ -12,6 +12,12 @@ std::string Check(const absl::StatusOr<io::FileFeatures>& input) {
       input->lines.size() != input->features.size()) {
     return "counts disagree";
   }
+  if (input->labels.values.size() != input->point_count * input->labels.attributes) {
+    return "attributes disagree";
+  }
+  for (const auto& [id, marker] : input->labels.markers) {
+    if (id < 1 || id > input->features.size() || marker == 0) return "a marker of nothing";
+  }
   for (std::size_t i = 0; i < input->features.size(); ++i) {
     const Feature& f = input->features[i];
     if (f.id != i + 1) return "ids are not in file order";

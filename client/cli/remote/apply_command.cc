@@ -72,6 +72,10 @@ class Application {
       parse.dimension = mesh->options.dimension;
     }
     absl::StatusOr<io::EditScript> script = io::ReadEditScript(command_.script, parse);
+    if (script.ok() && !script->labels.empty()) {
+      PrintWarning(absl::StrFormat(
+          "%s: markers and names of features left out: a server's mesh has none", command_.script));
+    }
     if (!script.ok()) return script.status();
     script_ = *std::move(script);
     return absl::OkStatus();

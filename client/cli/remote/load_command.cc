@@ -68,11 +68,14 @@ int Run(const LoadCommand& command) {
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   if (input->options.dimension == 3 && !input->holes.empty()) {
-    input->warnings.push_back(absl::StrFormat(
-        "%s: %d seed(s) of 3D holes left out: `dynmesh mesh --inside` uses them", command.input,
-        input->holes.size()));
+    input->warnings.push_back(
+        absl::StrFormat("%s: %d seed(s) of 3D holes left out: `dynmesh mesh --inside` uses them",
+                        command.input, input->holes.size()));
   }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
+  if (const auto left_out = LabelsLeftOut(*input, command.input); !left_out.empty()) {
+    PrintWarning(left_out);
+  }
   if (auto s = PrepareMesh(**client, command, *input); !s.ok()) return ReportError(s);
   ProgressBar bar(ErrorIsTerminal());
   client::LoadParams params;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/common/feature_labels.h"
 #include "core/io/common/triangle_sections.h"
 #include "dynmesh/feature.h"
 
@@ -29,10 +30,8 @@ struct FileFeatures {
   // to the user.
   std::vector<SeedRow> holes;
   std::vector<SeedRow> regions;
-  // Content of the file that the mesh does not show.
-  std::uint64_t attributes = 0;  // per vertex
-  std::uint64_t markers = 0;     // nonzero ones of vertices, segments and facets
-  std::uint64_t heights = 0;     // positions of a map with more than x and y
+  FeatureLabels labels;
+  std::uint64_t heights = 0;  // positions of a map with more than x and y: these are not read
   // Edges, those of polygons included, that span more than half of the globe in a map that seems to
   // be in degrees: probably meant to go the other way round.
   std::uint64_t wraps = 0;

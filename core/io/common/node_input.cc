@@ -22,8 +22,9 @@ absl::StatusOr<NodeSection> ParseNodes(TextReader& reader, int dimension) {
 void AddPoints(const NodeSection& nodes, const std::string& file, FileFeatures& input) {
   input.point_file = file;
   input.point_count = nodes.positions.size();
-  input.attributes = nodes.attributes;
-  input.markers = CountMarkers(nodes.markers);
+  input.labels.attributes = nodes.attributes;
+  input.labels.values = nodes.values;
+  AddMarkers(nodes.markers, 1, input.labels);
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const auto& [x, y, z] = nodes.positions[i];
     input.features.push_back(Feature::Point(i + 1, x, y, z));
@@ -32,6 +33,12 @@ void AddPoints(const NodeSection& nodes, const std::string& file, FileFeatures& 
 }
 
 }  // namespace
+
+void AddMarkers(std::span<const std::uint64_t> markers, FeatureId first, FeatureLabels& labels) {
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    if (markers[i] != 0) labels.markers[first + i] = static_cast<std::int64_t>(markers[i]);
+  }
+}
 
 absl::StatusOr<FileFeatures> ParsePoints(TextReader& nodes, int dimension) {
   const absl::StatusOr<NodeSection> section = ParseNodes(nodes, dimension);

@@ -3,7 +3,9 @@
 #ifndef DYNMESH_CORE_IO_COMMON_NODE_INPUT_H_
 #define DYNMESH_CORE_IO_COMMON_NODE_INPUT_H_
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 
 #include "absl/status/status.h"
@@ -16,6 +18,9 @@ namespace dynmesh::io {
 
 // A whole `.node` file.
 absl::StatusOr<FileFeatures> ParsePoints(TextReader& nodes, int dimension);
+
+// The nonzero ones of `markers`, of the features `first`, `first` + 1, ...
+void AddMarkers(std::span<const std::uint64_t> markers, FeatureId first, FeatureLabels& labels);
 
 // Opens the `.node` file with the vertices of a file that has none.
 using OpenNodes = std::function<absl::StatusOr<TextReader>()>;

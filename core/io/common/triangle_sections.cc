@@ -93,9 +93,9 @@ absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension) {
       position[k] = *value;
     }
     for (std::size_t k = 0; k < header->attributes; ++k) {
-      if (auto a = reader.Double(1 + d + k, Concat("attribute ", k + 1)); !a.ok()) {
-        return a.status();
-      }
+      const absl::StatusOr<double> value = reader.Double(1 + d + k, Concat("attribute ", k + 1));
+      if (!value.ok()) return value.status();
+      nodes.values.push_back(*value);
     }
     std::uint64_t mark = 0;
     if (header->has_markers) {

@@ -23,6 +23,7 @@ struct NodeSection {
   std::uint64_t attributes = 0;
   bool has_markers = false;
   std::vector<std::array<double, 3>> positions;
+  std::vector<double> values;          // `attributes` a vertex
   std::vector<std::uint64_t> markers;  // all 0 if the file has none
   std::vector<int> lines;
 };

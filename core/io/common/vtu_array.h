@@ -1,15 +1,13 @@
-// Arrays of VTK XML files: the byte count, then the values, as one base64 text.
+// Arrays of VTK XML files: values compressed by zlib, in blocks, as base64.
 #ifndef DYNMESH_CORE_IO_COMMON_VTU_ARRAY_H_
 #define DYNMESH_CORE_IO_COMMON_VTU_ARRAY_H_
 
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 
@@ -20,20 +18,21 @@ static_assert(std::endian::native == std::endian::little, "the file says LittleE
 inline constexpr std::string_view kVtuBegin =
     "<?xml version=\"1.0\"?>\n"
     "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-    "header_type=\"UInt64\">\n"
+    "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
     "  <UnstructuredGrid>\n";
 inline constexpr std::string_view kVtuEnd = "  </UnstructuredGrid>\n</VTKFile>\n";
+
+// The base64 of VTK's header (counts and sizes of blocks), then that of the blocks.
+void WriteCompressed(std::string_view bytes, FileWriter& out);
 
 // One <DataArray>. The attributes `shape` give the number of values.
 template <class T>
 void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
                       const std::vector<T>& values, FileWriter& out) {
-  const std::uint64_t bytes = values.size() * sizeof(T);
-  std::string raw(sizeof(bytes) + bytes, '\0');
-  std::memcpy(raw.data(), &bytes, sizeof(bytes));
-  if (bytes != 0) std::memcpy(raw.data() + sizeof(bytes), values.data(), bytes);
   out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" " << shape
-      << " format=\"binary\">\n          " << absl::Base64Escape(raw) << "\n        </DataArray>\n";
+      << " format=\"binary\">\n          ";
+  WriteCompressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)}, out);
+  out << "\n        </DataArray>\n";
 }
 
 template <class T>

@@ -20,6 +20,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/io/meshes/region_numbers.h"
+#include "core/io/meshes/row_labels.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/quality.h"
 
@@ -59,6 +60,7 @@ struct IndexedMesh {
   RegionNumbers regions;                // of the simplices
   std::vector<Edge> edges;              // all of them
   std::vector<Face> faces;              // 3D
+  RowLabels labels;                     // what the input says of rows; IndexMesh leaves it empty
 
   // Of the mesh's dimension.
   std::size_t simplex_count() const {

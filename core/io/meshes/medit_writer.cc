@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "core/io/common/file_writer.h"
 #include "core/io/meshes/references.h"
@@ -11,16 +13,45 @@ namespace dynmesh::io {
 
 namespace {
 
-// A section of rows with owners and their references. `corners` returns the corners of a row.
+constexpr double kMost = 2147483647;  // references have 32 bits
+
+// A section of rows with owners or markers, and their references: those of owners unless the labels
+// replace them by `markers`. `corners` returns the corners of a row.
 template <class Rows, class Corners>
-void WriteOwned(const char* name, const Rows& rows, const References& references, Corners corners,
+void WriteOwned(const char* name, const Rows& rows, const References& references,
+                const RowLabels& labels, const std::vector<std::int64_t>& markers, Corners corners,
                 FileWriter& out) {
-  const auto is_owned = [](const auto& row) { return row.owner != kNoFeature; };
-  out << '\n' << name << '\n' << std::count_if(rows.begin(), rows.end(), is_owned) << '\n';
-  for (const auto& row : rows) {
-    if (!is_owned(row)) continue;
-    for (const std::uint32_t v : corners(row)) out << std::uint64_t{v} + 1 << ' ';
-    out << references.Find(row.owner) << '\n';
+  const auto reference_of = [&](std::size_t i) -> std::int64_t {
+    return labels.replace_ids ? markers[i] : references.Find(rows[i].owner);
+  };
+  const auto is_written = [&](std::size_t i) {
+    return rows[i].owner != kNoFeature || reference_of(i) != 0;
+  };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) count += is_written(i) ? 1 : 0;
+  out << '\n' << name << '\n' << count << '\n';
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!is_written(i)) continue;
+    for (const std::uint32_t v : corners(rows[i])) out << std::uint64_t{v} + 1 << ' ';
+    out << reference_of(i) << '\n';
+  }
+}
+
+// Which reference is what, as comments.
+void WriteReferences(const IndexedMesh& mesh, const References& references, FileWriter& out) {
+  for (int r = 1; r <= references.box(); ++r) {
+    out << "# reference " << r << ": " << references.Name(r);
+    if (r != references.box()) {
+      const std::string name =
+          mesh.labels.NameOf(references.features()[static_cast<std::size_t>(r) - 1]);
+      if (!name.empty()) out << ", " << name;
+    }
+    out << '\n';
+  }
+  if (mesh.regions.count() == 0) return;
+  for (std::uint32_t k = 0; k <= mesh.regions.count(); ++k) {
+    out << "# " << (mesh.dimension == 3 ? "tetrahedron" : "triangle") << " reference " << k + 1
+        << ": " << mesh.regions.Name(k) << '\n';
   }
 }
 
@@ -32,36 +63,45 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   const bool in_space = mesh.dimension == 3;
   FileWriter out(path);
   out << "MeshVersionFormatted 2\n\nDimension " << mesh.dimension << "\n\n";
-  for (int r = 1; r <= references->box(); ++r) {
-    out << "# reference " << r << ": " << references->Name(r) << '\n';
-  }
-  if (mesh.regions.count() != 0) {
-    for (std::uint32_t k = 0; k <= mesh.regions.count(); ++k) {
-      out << "# " << (in_space ? "tetrahedron" : "triangle") << " reference " << k + 1 << ": "
-          << mesh.regions.Name(k) << '\n';
-    }
+  const RowLabels& labels = mesh.labels;
+  if (labels.replace_ids) {
+    out << "# references are markers of the input\n";
+  } else {
+    WriteReferences(mesh, *references, out);
   }
   out << "\nVertices\n" << mesh.vertices.size() << '\n';
-  for (const IndexedMesh::Vertex& v : mesh.vertices) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const IndexedMesh::Vertex& v = mesh.vertices[i];
     out << v.x << ' ' << v.y << ' ';
     if (in_space) out << v.z << ' ';
-    out << references->Find(v.owner) << '\n';
+    if (labels.replace_ids) {
+      out << labels.vertex_markers[i] << '\n';
+    } else {
+      out << references->Find(v.owner) << '\n';
+    }
   }
   WriteOwned(
-      "Edges", mesh.edges, *references,
+      "Edges", mesh.edges, *references, labels, labels.edge_markers,
       [](const auto& e) {
         return std::array{e.a, e.b};
       },
       out);
   if (in_space) {
     WriteOwned(
-        "Triangles", mesh.faces, *references, [](const auto& f) { return f.corners; }, out);
+        "Triangles", mesh.faces, *references, labels, labels.face_markers,
+        [](const auto& f) { return f.corners; }, out);
   }
   out << (in_space ? "\nTetrahedra\n" : "\nTriangles\n") << mesh.simplex_count() << '\n';
   std::size_t i = 0;
   ForEachSimplex(mesh, [&](const auto& corners) {
     for (const std::uint32_t corner : corners) out << std::uint64_t{corner} + 1 << ' ';
-    out << mesh.regions.Of(i++) + 1 << '\n';
+    const bool has_value = labels.replace_ids && !labels.simplex_values.empty();
+    if (has_value) {
+      out << static_cast<std::int64_t>(std::clamp(labels.simplex_values[i], -kMost, kMost)) << '\n';
+    } else {
+      out << mesh.regions.Of(i) + 1 << '\n';
+    }
+    ++i;
   });
   out << "\nEnd\n";
   return out.Close();

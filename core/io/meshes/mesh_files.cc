@@ -24,6 +24,8 @@ constexpr std::string_view kHashNote = "hash ";
 // The notes for vertices of the box, by containing dimension.
 constexpr std::string_view kBoxNotes[] = {"", "box-side-vertices ", "box-face-vertices "};
 constexpr std::string_view kRegionNote = "region ";
+constexpr std::string_view kNameNote = "name ";
+constexpr std::string_view kMarkersNote = "markers input";
 constexpr std::size_t kNumbersPerNote = 16;
 
 std::string Stem(const std::string& path) {
@@ -42,10 +44,6 @@ void WriteMarker(FeatureId owner, FileWriter& out) {
   } else {
     out << owner;
   }
-}
-
-FeatureId VertexMarker(const IndexedMesh::Vertex& v) {
-  return v.containing_dimension == 0 || v.owner == kBoxFeature ? v.owner : kNoFeature;
 }
 
 // The vertices that refinement put on the sides or faces of the box.
@@ -67,30 +65,72 @@ void WriteBoxNotes(const IndexedMesh& mesh, int containing_dimension, FileWriter
   }
 }
 
+// The marker of row i, from the labels if they have it in place of ids.
+void WriteRowMarker(const IndexedMesh& mesh, const std::vector<std::int64_t>& labels, std::size_t i,
+                    FeatureId owner, FileWriter& out) {
+  if (mesh.labels.replace_ids) {
+    out << labels[i];
+  } else {
+    WriteMarker(owner, out);
+  }
+}
+
+// A name as the rest of a comment's line.
+std::string OneLine(std::string name) {
+  for (char& c : name) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  return name;
+}
+
+FeatureId VertexMarker(const IndexedMesh::Vertex& v, bool steiner_ids) {
+  const bool is_marked = steiner_ids || v.containing_dimension == 0 || v.owner == kBoxFeature;
+  return is_marked ? v.owner : kNoFeature;
+}
+
 void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
-  out << mesh.vertices.size() << ' ' << mesh.dimension << " 0 1\n";
+  const std::size_t attributes = mesh.labels.attributes;
+  out << mesh.vertices.size() << ' ' << mesh.dimension << ' ' << attributes << " 1\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const IndexedMesh::Vertex& v = mesh.vertices[i];
     out << i + 1 << ' ' << v.x << ' ' << v.y << ' ';
     if (mesh.dimension == 3) out << v.z << ' ';
-    WriteMarker(VertexMarker(v), out);
+    for (std::size_t k = 0; k < attributes; ++k) {
+      out << mesh.labels.vertex_values[i * attributes + k] << ' ';
+    }
+    WriteRowMarker(mesh, mesh.labels.vertex_markers, i, VertexMarker(v, mesh.labels.steiner_ids),
+                   out);
     out << '\n';
   }
-  for (int d = 1; d < mesh.dimension; ++d) WriteBoxNotes(mesh, d, out);
-  out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
+  if (mesh.labels.replace_ids) {
+    out << "# dynmesh " << kMarkersNote << '\n';
+  } else {
+    for (int d = 1; d < mesh.dimension; ++d) WriteBoxNotes(mesh, d, out);
+  }
+  if (mesh.labels.features != nullptr) {
+    for (const auto& [id, name] : mesh.labels.features->names) {
+      out << "# dynmesh name " << id << ' ' << OneLine(name) << '\n';
+    }
+  }
+  if (!mesh.labels.replace_ids) out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
 }
 
 void WriteSimplices(const IndexedMesh& mesh, FileWriter& out) {
-  const bool has_regions = mesh.regions.count() != 0;
-  out << mesh.simplex_count() << ' ' << mesh.dimension + 1 << ' ' << (has_regions ? 1 : 0) << '\n';
+  const std::vector<double>& values = mesh.labels.simplex_values;
+  const bool has_values = mesh.labels.replace_ids && !values.empty();
+  const bool has_regions = !mesh.labels.replace_ids && mesh.regions.count() != 0;
+  out << mesh.simplex_count() << ' ' << mesh.dimension + 1 << ' '
+      << (has_regions || has_values ? 1 : 0) << '\n';
   std::size_t i = 0;
   ForEachSimplex(mesh, [&](const auto& corners) {
     out << i + 1;
     for (const std::uint32_t v : corners) out << ' ' << std::uint64_t{v} + 1;
     if (has_regions) out << ' ' << mesh.regions.Of(i);
+    if (has_values) out << ' ' << values[i];
     out << '\n';
     ++i;
   });
+  if (!has_regions) return;
   for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
     out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
   }
@@ -102,7 +142,7 @@ void WriteFaces(const IndexedMesh& mesh, FileWriter& out) {
     out << i + 1;
     for (const std::uint32_t v : mesh.faces[i].corners) out << ' ' << std::uint64_t{v} + 1;
     out << ' ';
-    WriteMarker(mesh.faces[i].owner, out);
+    WriteRowMarker(mesh, mesh.labels.face_markers, i, mesh.faces[i].owner, out);
     out << '\n';
   }
 }
@@ -112,14 +152,18 @@ void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
   for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
     const IndexedMesh::Edge& e = mesh.edges[i];
     out << i + 1 << ' ' << e.a + 1 << ' ' << e.b + 1 << ' ';
-    WriteMarker(e.owner, out);
+    WriteRowMarker(mesh, mesh.labels.edge_markers, i, e.owner, out);
     out << '\n';
   }
 }
 
 // Assigns `owner` to a corner of its constraint, of dimension `containing`, unless the vertex lies
-// on input of lower dimension.
+// on input of lower dimension. A marker that is the constraint's is no point's.
 void OwnCorner(IndexedMesh::Vertex& v, int containing, FeatureId owner) {
+  if (v.containing_dimension == 0 && v.owner == owner && owner != kBoxFeature) {
+    v.containing_dimension = containing;
+    return;
+  }
   if (v.containing_dimension < containing) return;
   // The least id, whatever the order of rows; a valid mesh has no choice.
   v.owner = v.containing_dimension == containing ? std::min(v.owner, owner) : owner;
@@ -127,8 +171,8 @@ void OwnCorner(IndexedMesh::Vertex& v, int containing, FeatureId owner) {
 }
 
 // Infers owner and containing dimension from the markers. Markers of input points and of the box
-// suffice. Of the others, ends of a subsegment lie on its segment, corners of a subfacet on its
-// polygon.
+// suffice. Of the others, ends of a subsegment lie on its segment, corners of a
+// subfacet on its polygon.
 void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const FeatureId marker = nodes.markers[i];
@@ -145,6 +189,15 @@ void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
   }
 }
 
+// Of a file with the markers of the input: no row has an owner.
+void ForgetMarkers(const NodeSection& nodes, IndexedMesh& mesh) {
+  for (const auto& [x, y, z] : nodes.positions) {
+    mesh.vertices.push_back({x, y, mesh.dimension, kNoFeature, z});
+  }
+  for (IndexedMesh::Edge& e : mesh.edges) e.owner = kNoFeature;
+  for (IndexedMesh::Face& f : mesh.faces) f.owner = kNoFeature;
+}
+
 // "12 40 ...": the vertices of the box with this containing dimension.
 absl::Status ReadBoxNote(const TextReader& reader, std::string_view name, std::string_view text,
                          int containing_dimension, IndexedMesh& mesh) {
@@ -158,8 +211,23 @@ absl::Status ReadBoxNote(const TextReader& reader, std::string_view name, std::s
   return absl::OkStatus();
 }
 
+// "ID TEXT": the name of a feature.
+absl::Status ReadNameNote(const TextReader& reader, std::string_view text, MeshFiles& files) {
+  const std::size_t blank = text.find(' ');
+  std::uint64_t id = 0;
+  if (blank == std::string_view::npos || !ParseUint64(text.substr(0, blank), &id) || id == 0) {
+    return reader.Error(
+        Concat("name: expected a feature's id and its name, found ", text::Quoted(text)));
+  }
+  files.names[id] = text.substr(blank + 1);
+  return absl::OkStatus();
+}
+
 absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
   for (const std::string_view note : reader.notes()) {
+    if (note.starts_with(kNameNote)) {
+      if (auto s = ReadNameNote(reader, note.substr(kNameNote.size()), files); !s.ok()) return s;
+    }
     if (note.starts_with(kHashNote)) {
       absl::StatusOr<MeshHash> hash = MeshHash::FromHex(note.substr(kHashNote.size()));
       if (!hash.ok()) return reader.Error(View(hash.status().message()));
@@ -301,6 +369,7 @@ absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
   MeshFiles files;
   files.mesh.dimension = section->dimension;
   const bool in_space = section->dimension == 3;
+  files.has_input_markers = std::ranges::count(nodes.notes(), kMarkersNote) != 0;
   files.has_edges = edges.has_value();
   files.has_faces = in_space && faces.has_value();
   if (edges) {
@@ -309,7 +378,11 @@ absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
   if (files.has_faces) {
     if (auto status = ParseFaces(*faces, *section, files); !status.ok()) return status;
   }
-  InferOwners(*section, files.mesh);
+  if (files.has_input_markers) {
+    ForgetMarkers(*section, files.mesh);
+  } else {
+    InferOwners(*section, files.mesh);
+  }
   if (auto status = ReadNotes(nodes, files); !status.ok()) return status;
   const absl::Status status = in_space ? ParseSimplices<3>(simplices, *section, files)
                                        : ParseSimplices<2>(simplices, *section, files);

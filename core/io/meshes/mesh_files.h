@@ -1,7 +1,8 @@
 // Meshes as files, rows numbered from 1, in the canonical order of IndexedMesh. 2D: Triangle's
 // files; 3D: TetGen's. NAME.node, NAME.ele, NAME.edge and, in 3D, NAME.face side by side.
-//   .node  number x y [z] marker     feature id on input points, -1 on the domain
-//                                    box, else 0
+//   .node  number x y [z] [attributes] marker    feature id on input points, -1 on the domain
+//                                    box, else 0; if labels say so, the id of the segment or
+//                                    polygon on Steiner points; the attributes of labels
 //   .ele   number corner corner corner [corner] [region]    positively oriented; with
 //                                    polygons, the number of the region (region_numbers.h)
 //   .edge  number end end marker     all edges; feature id on subsegments, -1 on the
@@ -11,10 +12,14 @@
 // Coordinates read back bit for bit. Comments after the rows, which other readers skip, hold what
 // markers cannot: the mesh hash; the box's vertices that refinement put on its sides (containing
 // dimension 1, not 0) or, in 3D, its faces (2); and in the .ele the polygons of each region.
-// Without these comments, attributes of simplices are ignored.
+// Without these comments, attributes of simplices are ignored. Names of features are comments, too.
+//
+// If the mesh's labels replace ids, markers are the input's and the attribute of a simplex is that
+// of its region. A comment says so; such files are read as if they had no markers.
 #ifndef DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 #define DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -34,6 +39,8 @@ struct MeshFiles {
   bool has_edges = true;  // false: there is no .edge file
   bool has_faces = true;  // 3D; false: there is no .face file
   std::optional<MeshHash> recorded_hash;
+  bool has_input_markers = false;          // markers are the input's: no owner is known
+  std::map<FeatureId, std::string> names;  // of features
 };
 
 // Reads any content, valid mesh or not (`verify` checks that). Checks only form, counts and vertex

@@ -13,6 +13,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/meshes/msh_groups.h"
 #include "core/io/meshes/references.h"
 
 namespace dynmesh::io {
@@ -89,7 +90,11 @@ class BoundingRange {
 class MshFile {
  public:
   MshFile(const IndexedMesh& mesh, const References& references, FileWriter& out)
-      : mesh_(mesh), references_(references), out_(out), point_of_(mesh.vertices.size(), 0) {
+      : mesh_(mesh),
+        references_(references),
+        out_(out),
+        groups_(mesh, references),
+        point_of_(mesh.vertices.size(), 0) {
     Classify();
   }
 
@@ -187,28 +192,42 @@ class MshFile {
   }
 
   void WritePhysicalNames() {
-    std::set<std::pair<int, int>> groups;  // dimension, tag
-    for (const PointEntity& p : points_) groups.emplace(0, p.physical);
+    std::map<std::pair<int, int>, std::string> groups;  // by dimension and tag
+    for (const PointEntity& p : points_) AddGroup(0, p.physical, groups);
     for (int dimension = 1; dimension < top_; ++dimension) {
-      for (const auto& [tag, entity] : entities_[dimension]) groups.emplace(dimension, tag);
-    }
-    out_ << "$PhysicalNames\n" << groups.size() + entities_[top_].size() << '\n';
-    for (const auto& [dimension, tag] : groups) {
-      out_ << dimension << ' ' << tag << " \"" << references_.Name(tag) << "\"\n";
+      for (const auto& [tag, entity] : entities_[dimension]) AddGroup(dimension, tag, groups);
     }
     std::string long_names;
     for (const auto& [tag, entity] : entities_[top_]) {
       const auto region = static_cast<std::uint32_t>(tag - 1);
-      std::string name = mesh_.regions.Name(region);
+      std::string name = groups_.NameOfRegion(region);
       if (name.size() > kMostNameLength) {
         const std::string short_name = Concat("region ", region);
         long_names += Concat(short_name, ": ", name, "\n");
         name = short_name;
       }
-      out_ << top_ << ' ' << tag << " \"" << name << "\"\n";
+      groups.emplace(std::pair(top_, groups_.OfRegion(region)), name);
+    }
+    out_ << "$PhysicalNames\n" << groups.size() << '\n';
+    for (const auto& [key, name] : groups) {
+      out_ << key.first << ' ' << key.second << " \"" << name << "\"\n";
     }
     out_ << "$EndPhysicalNames\n";
     if (!long_names.empty()) out_ << "$Comments\n" << long_names << "$EndComments\n";
+  }
+
+  void AddGroup(int dimension, int reference, std::map<std::pair<int, int>, std::string>& groups) {
+    const int group = groups_.Of(reference);
+    if (group != 0) groups.emplace(std::pair(dimension, group), groups_.Name(reference));
+  }
+
+  // "1 GROUP", or "0" for none.
+  void WriteGroup(int group) {
+    if (group == 0) {
+      out_ << '0';
+    } else {
+      out_ << "1 " << group;
+    }
   }
 
   void WriteEntities() {
@@ -219,7 +238,9 @@ class MshFile {
     out_ << '\n';
     for (const PointEntity& p : points_) {
       const IndexedMesh::Vertex& v = mesh_.vertices[p.vertex];
-      out_ << p.tag << ' ' << v.x << ' ' << v.y << ' ' << v.z << " 1 " << p.physical << '\n';
+      out_ << p.tag << ' ' << v.x << ' ' << v.y << ' ' << v.z << ' ';
+      WriteGroup(groups_.Of(p.physical));
+      out_ << '\n';
     }
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) WriteEntity(dimension, tag, entity);
@@ -241,7 +262,9 @@ class MshFile {
     if (dimension != 1) add_inner();
     out_ << tag << ' ';
     range.Write(out_);
-    out_ << "1 " << tag << ' ';
+    WriteGroup(dimension == top_ ? groups_.OfRegion(static_cast<std::uint32_t>(tag - 1))
+                                 : groups_.Of(tag));
+    out_ << ' ';
     if (dimension == 1) {
       WriteEnds(entity);
     } else {
@@ -328,6 +351,7 @@ class MshFile {
   const IndexedMesh& mesh_;
   const References& references_;
   FileWriter& out_;
+  const MshGroups groups_;
   const int top_ = mesh_.dimension;
   std::vector<PointEntity> points_;  // by tag
   std::vector<int> point_of_;        // the point of each vertex, 0 if none

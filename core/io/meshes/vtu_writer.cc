@@ -1,7 +1,9 @@
 #include "core/io/meshes/vtu_writer.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,10 +29,8 @@ void WriteRegionTable(const RegionNumbers& regions, FileWriter& out) {
     const std::string shape = text::Concat("NumberOfTuples=\"", values.size(), "\"");
     WriteShapedArray("Int64", name, shape, values, out);
   };
-  out << "    <FieldData>\n";
   write("region_polygons", polygons);
   write("region_ends", ends);
-  out << "    </FieldData>\n";
 }
 
 void WritePoints(const IndexedMesh& mesh, FileWriter& out) {
@@ -42,29 +42,77 @@ void WritePoints(const IndexedMesh& mesh, FileWriter& out) {
   out << "      </Points>\n";
 }
 
-bool IsSubfacet(const IndexedMesh::Face& f) {
-  return f.owner != kNoFeature && f.owner != kBoxFeature;
+// As the value of an XML attribute.
+std::string Escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&') {
+      result += "&amp;";
+    } else if (c == '<') {
+      result += "&lt;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else {
+      result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+// An array by each name, of the features that have it.
+void WriteNames(const RowLabels& labels, FileWriter& out) {
+  if (labels.features == nullptr) return;
+  std::map<std::string, std::vector<std::int64_t>> features;
+  for (const auto& [id, name] : labels.features->names) {
+    features[name].push_back(static_cast<std::int64_t>(id));
+  }
+  for (const auto& [name, ids] : features) {
+    const std::string shape = text::Concat("NumberOfTuples=\"", ids.size(), "\"");
+    WriteShapedArray("Int64", Escaped(name), shape, ids, out);
+  }
+}
+
+// Calls f(corners, owner, row) for each subsegment (in 3D subfacet) of a feature.
+template <class F>
+void ForEachConstraint(const IndexedMesh& mesh, F f) {
+  const auto is_features = [](FeatureId owner) {
+    return owner != kNoFeature && owner != kBoxFeature;
+  };
+  if (mesh.dimension == 2) {
+    for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+      const IndexedMesh::Edge& e = mesh.edges[i];
+      if (is_features(e.owner)) f(std::array{e.a, e.b}, e.owner, i);
+    }
+  } else {
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+      const IndexedMesh::Face& face = mesh.faces[i];
+      if (is_features(face.owner)) f(face.corners, face.owner, i);
+    }
+  }
+}
+
+std::size_t CountConstraints(const IndexedMesh& mesh) {
+  std::size_t count = 0;
+  ForEachConstraint(mesh, [&](const auto&, FeatureId, std::size_t) { ++count; });
+  return count;
 }
 
 // Simplices, then subfacets.
 void WriteCells(const IndexedMesh& mesh, FileWriter& out) {
-  constexpr std::uint8_t kVtkTriangle = 5;
-  constexpr std::uint8_t kVtkTetra = 10;
+  constexpr std::uint8_t kVtkOf[] = {0, 0, 3, 5, 10};  // by corners: line, triangle, tetrahedron
   std::vector<std::int64_t> connectivity;
   std::vector<std::int64_t> offsets;
   std::vector<std::uint8_t> types;
-  const std::size_t n = mesh.simplex_count() + mesh.subfacet_count();
+  const std::size_t n = mesh.simplex_count() + CountConstraints(mesh);
   connectivity.reserve((static_cast<std::size_t>(mesh.dimension) + 1) * n);
   offsets.reserve(n);
   const auto add = [&](const auto& corners) {
     connectivity.insert(connectivity.end(), corners.begin(), corners.end());
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-    types.push_back(corners.size() == 3 ? kVtkTriangle : kVtkTetra);
+    types.push_back(kVtkOf[corners.size()]);
   };
   ForEachSimplex(mesh, add);
-  for (const auto& f : mesh.faces) {
-    if (IsSubfacet(f)) add(f.corners);
-  }
+  ForEachConstraint(mesh, [&](const auto& corners, FeatureId, std::size_t) { add(corners); });
   out << "      <Cells>\n";
   WriteArray("Int64", "connectivity", 1, connectivity, out);
   WriteArray("Int64", "offsets", 1, offsets, out);
@@ -82,6 +130,14 @@ void WritePointData(const IndexedMesh& mesh, FileWriter& out) {
   out << "      <PointData Scalars=\"containing_dimension\">\n";
   WriteArray("UInt8", "containing_dimension", 1, dimensions, out);
   WriteArray("Int64", "owner", 1, owners, out);
+  const RowLabels& labels = mesh.labels;
+  if (!labels.vertex_markers.empty()) {
+    WriteArray("Int64", "marker", 1, labels.vertex_markers, out);
+  }
+  if (labels.attributes != 0) {
+    WriteArray("Float64", "attribute", static_cast<int>(labels.attributes), labels.vertex_values,
+               out);
+  }
   out << "      </PointData>\n";
 }
 
@@ -115,14 +171,20 @@ void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, Fil
   }
   std::vector<std::uint32_t> regions = mesh.regions.numbers;
   std::vector<std::int64_t> owners(mesh.simplex_count(), 0);
-  for (const auto& f : mesh.faces) {
-    if (IsSubfacet(f)) owners.push_back(static_cast<std::int64_t>(f.owner));
-  }
+  std::vector<std::int64_t> markers(mesh.simplex_count(), 0);
+  std::vector<double> values = mesh.labels.simplex_values;
+  const auto& row_markers =
+      mesh.dimension == 2 ? mesh.labels.edge_markers : mesh.labels.face_markers;
+  ForEachConstraint(mesh, [&](const auto&, FeatureId owner, std::size_t row) {
+    owners.push_back(static_cast<std::int64_t>(owner));
+    markers.push_back(row_markers.empty() ? 0 : row_markers[row]);
+  });
   // Values that do not apply to subfacets.
   ratios.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
   angles.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
   exempt.resize(owners.size(), 0);
   regions.resize(owners.size(), 0);
+  values.resize(owners.size(), 0);
   out << "      <CellData Scalars=\"min_angle\">\n";
   WriteArray("Float64", "quality", 1, ratios, out);
   WriteArray("Float64", "min_angle", 1, angles, out);
@@ -132,10 +194,10 @@ void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, Fil
   if (mesh.regions.count() != 0) {
     WriteArray("UInt32", "region", 1, regions, out);
   }
-  if (mesh.dimension == 3) {
-    WriteArray("Float64", "min_dihedral", 1, angles, out);
-    WriteArray("Int64", "owner", 1, owners, out);
-  }
+  if (mesh.dimension == 3) WriteArray("Float64", "min_dihedral", 1, angles, out);
+  WriteArray("Int64", "owner", 1, owners, out);
+  if (!row_markers.empty()) WriteArray("Int64", "marker", 1, markers, out);
+  if (!mesh.labels.simplex_values.empty()) WriteArray("Float64", "attribute", 1, values, out);
   out << "      </CellData>\n";
 }
 
@@ -145,9 +207,15 @@ absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& pa
                       double min_dihedral) {
   FileWriter out(path);
   out << kVtuBegin;
-  WriteRegionTable(mesh.regions, out);
+  const bool has_names = mesh.labels.features != nullptr && !mesh.labels.features->names.empty();
+  if (mesh.regions.count() != 0 || has_names) {
+    out << "    <FieldData>\n";
+    WriteRegionTable(mesh.regions, out);
+    WriteNames(mesh.labels, out);
+    out << "    </FieldData>\n";
+  }
   out << "    <Piece NumberOfPoints=\"" << mesh.vertices.size() << "\" NumberOfCells=\""
-      << mesh.simplex_count() + mesh.subfacet_count() << "\">\n";
+      << mesh.simplex_count() + CountConstraints(mesh) << "\">\n";
   WritePoints(mesh, out);
   WriteCells(mesh, out);
   WritePointData(mesh, out);

@@ -9,8 +9,9 @@
 
 namespace dynmesh::io {
 
-// Triangles, or in 3D tetrahedra followed by the subfacets. Values are exact: inline base64,
-// little-endian.
+// Triangles followed by the subsegments of features, or in 3D tetrahedra followed by the subfacets.
+// Values are exact: inline base64 of little-endian bytes, compressed by zlib. "Subfacets" below are
+// the subsegments in 2D.
 //   point data  containing_dimension; owner: the feature's id, -1 on the domain box, 0 if none
 //   cell data   quality: circumradius / shortest edge; min_angle: degrees, in 3D dihedral;
 //               exempt: of a simplex over `rho`, 1 if excused by a small input angle, 2 by the
@@ -18,8 +19,12 @@ namespace dynmesh::io {
 //               `min_dihedral`; else 0;
 //               radius_edge and min_angle_deg: older names of the first two;
 //               in 3D min_dihedral: the least dihedral angle in degrees, equal to min_angle;
-//               and owner: of a subfacet the feature's id, 0 of tetrahedra. The other values of
+//               owner: of a subfacet the feature's id, 0 of simplices. The other values of
 //               subfacets are NaN or 0.
+// If the mesh has labels, whether or not they replace ids:
+//   point data  marker; attribute: those of vertices
+//   cell data   marker: of subfacets, 0 of simplices; attribute: of regions, 0 of subfacets
+//   field data  an array by the name of each name, with the ids of the features that have it
 // If there are regions, with the numbers of region_numbers.h:
 //   cell data   region: its number, 0 in no polygon
 //   field data  region_polygons: the polygons' ids, region by region; region_ends: their

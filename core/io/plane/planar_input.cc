@@ -10,7 +10,7 @@ namespace {
 void AddSegments(const PairSection& segments, const std::string& file, FileFeatures& input) {
   input.segment_file = file;
   input.segment_count = segments.ends.size();
-  input.markers += CountMarkers(segments.markers);
+  AddMarkers(segments.markers, input.point_count + 1, input.labels);
   for (std::size_t i = 0; i < segments.ends.size(); ++i) {
     input.features.push_back(Feature::Segment(input.point_count + i + 1,
                                               FeatureId{segments.ends[i][0]} + 1,

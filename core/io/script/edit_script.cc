@@ -58,8 +58,10 @@ class ScriptParser {
     if (verb == "add") return ParseFeature(Edit::Action::kAdd);
     if (verb == "set") return ParseFeature(Edit::Action::kSet);
     if (verb == "move") return ParseFeature(Edit::Action::kMove);
-    return Error(
-        Concat("unknown command ", Quoted(verb), ": expected add, set, move, remove or commit"));
+    if (verb == "marker") return ParseMarker();
+    if (verb == "name") return ParseName();
+    return Error(Concat("unknown command ", Quoted(verb),
+                        ": expected add, set, move, remove, commit, marker or name"));
   }
 
   absl::Status ParseHeader() {
@@ -133,6 +135,30 @@ class ScriptParser {
   absl::Status ParseCommit() {
     if (reader_.size() > 1) return TooMany(1);
     EndBatch();
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseMarker() {
+    const absl::StatusOr<FeatureId> id = Id(1, "the feature with the marker");
+    if (!id.ok()) return id.status();
+    std::int64_t marker = 0;
+    if (reader_.size() != 3 || !ParseInt64(reader_.token(2), &marker)) {
+      return Error("expected: marker ID N, with a whole number");
+    }
+    script_.labels.markers.erase(*id);
+    if (marker != 0) script_.labels.markers[*id] = marker;
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseName() {
+    const absl::StatusOr<FeatureId> id = Id(1, "the feature with the name");
+    if (!id.ok()) return id.status();
+    if (reader_.size() < 3) return Error("expected: name ID TEXT");
+    std::string name;
+    for (std::size_t i = 2; i < reader_.size(); ++i) {
+      name += Concat(i == 2 ? "" : " ", reader_.token(i));
+    }
+    script_.labels.names[*id] = std::move(name);
     return absl::OkStatus();
   }
 

@@ -9,6 +9,7 @@
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //                                 ... capsule X1 Y1 X2 Y2 ... RADIUS H    vertices of a polyline
 //   commit                        ends a batch = one revision
+//   marker ID N                   name ID TEXT           of a feature, for files; no edits
 //
 // With dim=3 every position has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`, `...
 // disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`, `... capsule X1 Y1 Z1 ... RADIUS
@@ -24,6 +25,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/io/common/feature_labels.h"
 #include "core/io/common/text_reader.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -47,6 +49,7 @@ struct EditScript {
   std::optional<double> min_dihedral;
   int header_line = 0;
   std::vector<ScriptBatch> batches;
+  FeatureLabels labels;
 
   // The header's options, with defaults for missing ones. Without a box: the box of all points in
   // the script, those of sizing features included.

@@ -105,7 +105,8 @@ absl::Status AddFacet(const Facet& facet, const std::string& file, SurfaceWork& 
     if (polygon.corners.size() > 2) {
       rings.push_back(polygon.corners);
       lines.push_back(polygon.line);
-    } else if (auto s = work.AddSegment(polygon.corners[0], polygon.corners[1], polygon.line);
+    } else if (auto s = work.AddSegment(polygon.corners[0], polygon.corners[1], polygon.line,
+                                        facet.marker);
                !s.ok()) {
       return s;
     }
@@ -118,7 +119,7 @@ absl::Status AddFacet(const Facet& facet, const std::string& file, SurfaceWork& 
       for (const SurfaceWork::Vertex v : ring) corners.push_back(Point3{work.position(v)});
     }
   }
-  if (auto s = work.AddFace(std::move(rings), facet.line); !s.ok()) return s;
+  if (auto s = work.AddFace(std::move(rings), facet.line, facet.marker); !s.ok()) return s;
   if (positions.empty()) return absl::OkStatus();
   return HoleCheck(file, facet, positions, lines).Run();
 }
@@ -132,7 +133,6 @@ absl::StatusOr<FileFeatures> Parse(TextReader& reader, const OpenNodes& open_nod
   const absl::StatusOr<std::vector<Facet>> facets = read_facets(reader, *nodes);
   if (!facets.ok()) return facets.status();
   if (auto s = ReadSeedSections(reader, 3, points); !s.ok()) return s;
-  for (const Facet& facet : *facets) points.markers += facet.marker != 0 ? 1 : 0;
   SurfaceWork work(reader.name(), nodes->base);
   work.StartFrom(std::move(points));
   for (const Facet& facet : *facets) {

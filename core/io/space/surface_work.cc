@@ -4,6 +4,7 @@
 
 #include "core/base/rings.h"
 #include "core/base/text.h"
+#include "core/io/common/node_input.h"
 #include "core/io/common/text_reader.h"
 
 namespace dynmesh::io {
@@ -24,11 +25,11 @@ SurfaceWork::Vertex SurfaceWork::AddPoint(const std::array<double, 3>& position,
   return v;
 }
 
-absl::Status SurfaceWork::AddSegment(Vertex p, Vertex q, int line) {
+absl::Status SurfaceWork::AddSegment(Vertex p, Vertex q, int line, std::uint64_t marker) {
   if (p == q) {
     return Error(line, Concat("a segment has vertex ", Name(p), " at both ends; leave it out"));
   }
-  if (joined_.insert(std::minmax(p, q)).second) segments_.push_back({p, q, line});
+  if (joined_.insert(std::minmax(p, q)).second) segments_.push_back({p, q, line, marker});
   return absl::OkStatus();
 }
 
@@ -56,7 +57,7 @@ absl::Status SurfaceWork::CheckEdges(const std::vector<Ring>& rings, int line) c
                             " twice; make polygons that lie side by side facets of their own"));
 }
 
-absl::Status SurfaceWork::AddFace(std::vector<Ring> rings, int line) {
+absl::Status SurfaceWork::AddFace(std::vector<Ring> rings, int line, std::uint64_t marker) {
   Ring corners;
   for (const Ring& ring : rings) {
     if (auto s = CheckRing(ring, line); !s.ok()) return s;
@@ -71,7 +72,7 @@ absl::Status SurfaceWork::AddFace(std::vector<Ring> rings, int line) {
     return Error(line, Concat("a face has the same corners as the one on line ", it->second,
                               "; leave one of them out"));
   }
-  faces_.push_back({std::move(rings), line});
+  faces_.push_back({std::move(rings), line, marker});
   return absl::OkStatus();
 }
 
@@ -85,6 +86,7 @@ FileFeatures SurfaceWork::Take() {
   for (const Segment& s : segments_) {
     input.features.push_back(Feature::Segment(++id, FeatureId{s.p} + 1, FeatureId{s.q} + 1));
     input.lines.push_back(s.line);
+    AddMarkers({&s.marker, 1}, id, input.labels);
   }
   for (const Face& face : faces_) {
     Rings rings;
@@ -94,6 +96,7 @@ FileFeatures SurfaceWork::Take() {
     }
     input.features.push_back(Feature::Polygon(++id, std::move(rings)));
     input.lines.push_back(face.line);
+    AddMarkers({&face.marker, 1}, id, input.labels);
   }
   *this = SurfaceWork(file_, first_number_);
   return input;

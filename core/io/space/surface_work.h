@@ -32,12 +32,12 @@ class SurfaceWork {
   std::size_t point_count() const { return input_.features.size(); }
   const std::array<double, 3>& position(Vertex v) const { return input_.features[v].position; }
 
-  // A repeated segment is added once. Equal ends are an error.
-  absl::Status AddSegment(Vertex p, Vertex q, int line);
+  // A repeated segment is added once, with its first marker. Equal ends are an error.
+  absl::Status AddSegment(Vertex p, Vertex q, int line, std::uint64_t marker = 0);
 
   // A polygon of rings, which may touch in corners. Errors: a ring of fewer than three corners or
   // with a repeated corner, a repeated edge, and a second face with the same corners.
-  absl::Status AddFace(std::vector<Ring> rings, int line);
+  absl::Status AddFace(std::vector<Ring> rings, int line, std::uint64_t marker = 0);
 
   FileFeatures Take();
 
@@ -50,10 +50,12 @@ class SurfaceWork {
   struct Segment {
     Vertex p, q;
     int line;
+    std::uint64_t marker;
   };
   struct Face {
     std::vector<Ring> rings;
     int line;
+    std::uint64_t marker;
   };
   std::string file_;
   std::uint64_t first_number_;

@@ -1,4 +1,5 @@
 // Holes and regions of a .poly as polygons, and the flags that select by polygon.
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -37,7 +38,7 @@ class SeedPolygons : public CommandLineFixture {
 TEST_F(SeedPolygons, HolesComeFirstThenRegionsWithTheNextIds) {
   Input input = Load("2\n1 2 2\n2 5.5 5.5\n2\n1 .5 .5 7 0.1\n2 6.5 6.5\n");
   ASSERT_TRUE(AddSeedPolygons(input).ok());
-  ASSERT_EQ(input.features.size(), 36U);
+  ASSERT_EQ(input.features.size(), 37U);
   EXPECT_EQ(input.features[32], Feature::Polygon(33, {{5, 6, 7, 8}}));
   EXPECT_EQ(input.features[33], Feature::Polygon(34, {{9, 10, 11, 12}, {13, 16, 15, 14}}));
   EXPECT_EQ(input.features[34],
@@ -47,8 +48,15 @@ TEST_F(SeedPolygons, HolesComeFirstThenRegionsWithTheNextIds) {
   EXPECT_EQ(input.where(34), Folder() + "p.poly:37");
   EXPECT_EQ(input.where(36), Folder() + "p.poly:40");
   EXPECT_EQ(input.where(17), Folder() + "p.poly:19");
-  ASSERT_EQ(input.warnings.size(), 1U);
-  EXPECT_NE(input.warnings[0].find("largest areas of regions ignored"), std::string::npos);
+  EXPECT_TRUE(input.warnings.empty());
+  // The largest area of the first region is that of an equilateral triangle of side sqrt 2 h.
+  const Feature& size = input.features[36];
+  EXPECT_EQ(size.id, 37U);
+  EXPECT_EQ(size.kind, FeatureKind::kSize);
+  EXPECT_EQ(size.rings, input.features[34].rings);
+  const double h = size.sizing.target;
+  EXPECT_LE(std::sqrt(3.0) / 4 * (2 * h * h), 0.1);
+  EXPECT_NEAR(std::sqrt(3.0) / 4 * (2 * h * h), 0.1, 1e-12);
 }
 
 // As in Triangle.

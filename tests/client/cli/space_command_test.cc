@@ -396,7 +396,7 @@ TEST_F(SpaceCommands, MarkersOfInputAreToldOf) {
                 "2 1\n1 0 5\n4 1 2 3 4\n1 0 0\n2 1 2\n0\n0\n");
   Outcome outcome = Run("mesh m.poly");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  const std::string told = " marker(s) ignored: markers of the output are ids of features";
+  const std::string told = " marker(s) of the input: files other than .vtu have ids";
   EXPECT_NE(outcome.err.find("m.poly: 3" + told), std::string::npos) << outcome.err;
   folder_.Write("m.smesh", "0 3\n1 1\n4 1 2 3 4 9\n0\n0\n");
   folder_.Write("m.node", "4 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n");

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "core/io/common/text_reader.h"
 #include "core/io/meshes/medit_writer.h"
 #include "core/io/meshes/vtu_writer.h"
 #include "gtest/gtest.h"
+#include "tests/core/io/common/vtu_values.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
 #include "tests/core/mesh_data/made_up_mesh.h"
 #include "tests/support/temp_folder.h"
@@ -23,28 +23,13 @@ using test::TempFolder;
 using testing::kPlate;
 using testing::MakeGoodSpaceMesh;
 using testing::MakeRandom;
+using testing::VtuValues;
 
 IndexedMesh LabelledMesh() {
   testing::Random random = MakeRandom();
   Mesh mesh = MakeGoodSpaceMesh(random(), 40).mesh;
   testing::Label(random, mesh);
   return IndexMesh(mesh).value();
-}
-
-template <class T>
-std::vector<T> ReadArray(const std::string& xml, const std::string& name) {
-  const std::size_t at = xml.find("Name=\"" + name + "\"");
-  if (at == std::string::npos) {
-    ADD_FAILURE() << "no array " << name;
-    return {};
-  }
-  const std::size_t text = xml.find('>', at) + 1;
-  std::string base64 = xml.substr(text, xml.find('<', text) - text), raw;
-  std::erase_if(base64, [](char c) { return c == ' ' || c == '\n'; });
-  EXPECT_TRUE(absl::Base64Unescape(base64, &raw));
-  std::vector<T> values((raw.size() - 8) / sizeof(T));
-  std::memcpy(values.data(), raw.data() + 8, raw.size() - 8);
-  return values;
 }
 
 TEST(SpaceVtu, HoldsTetrahedraAndSubfacets) {
@@ -56,7 +41,7 @@ TEST(SpaceVtu, HoldsTetrahedraAndSubfacets) {
   EXPECT_NE(xml.find("NumberOfCells=\"" + std::to_string(cells) + "\""), std::string::npos);
   std::vector<double> points;
   for (const auto& v : mesh.vertices) points.insert(points.end(), {v.x, v.y, v.z});
-  EXPECT_EQ(ReadArray<double>(xml, "Points"), points);
+  EXPECT_EQ(VtuValues<double>(xml, "Points"), points);
   std::vector<std::int64_t> corners, ends, owners(n, 0);
   std::vector<std::uint8_t> types(n, 10);
   for (const auto& t : mesh.tetrahedra) {
@@ -71,14 +56,14 @@ TEST(SpaceVtu, HoldsTetrahedraAndSubfacets) {
     types.push_back(5);
   }
   ASSERT_GT(types.size(), n);
-  EXPECT_EQ(ReadArray<std::int64_t>(xml, "connectivity"), corners);
-  EXPECT_EQ(ReadArray<std::int64_t>(xml, "offsets"), ends);
-  EXPECT_EQ(ReadArray<std::uint8_t>(xml, "types"), types);
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "connectivity"), corners);
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "offsets"), ends);
+  EXPECT_EQ(VtuValues<std::uint8_t>(xml, "types"), types);
   const std::string cell_data = xml.substr(xml.find("<CellData"));
-  EXPECT_EQ(ReadArray<std::int64_t>(cell_data, "owner"), owners);
-  const auto quality = ReadArray<double>(cell_data, "quality");
-  const auto angles = ReadArray<double>(cell_data, "min_angle");
-  const auto regions = ReadArray<std::uint32_t>(cell_data, "region");
+  EXPECT_EQ(VtuValues<std::int64_t>(cell_data, "owner"), owners);
+  const auto quality = VtuValues<double>(cell_data, "quality");
+  const auto angles = VtuValues<double>(cell_data, "min_angle");
+  const auto regions = VtuValues<std::uint32_t>(cell_data, "region");
   ASSERT_TRUE(quality.size() == cells && angles.size() == cells && regions.size() == cells);
   for (std::size_t i = 0; i < cells; ++i) {
     EXPECT_EQ(regions[i], i < n ? mesh.regions.Of(i) : 0);
@@ -102,8 +87,8 @@ TEST(SpaceVtu, TellsWhichTetrahedraAreBelowADihedralAngle) {
   for (const double bound : {0.0, 20.0}) {
     ASSERT_TRUE(WriteVtu(mesh, kRho, folder.Path("m.vtu"), bound).ok());
     const std::string xml = folder.Read("m.vtu");
-    const auto angles = ReadArray<double>(xml, "min_dihedral");
-    const auto exempt = ReadArray<std::uint8_t>(xml, "exempt");
+    const auto angles = VtuValues<double>(xml, "min_dihedral");
+    const auto exempt = VtuValues<std::uint8_t>(xml, "exempt");
     ASSERT_TRUE(angles.size() == cells && exempt.size() == cells);
     for (std::size_t i = 0; i < cells; ++i) {
       if (i >= n) {

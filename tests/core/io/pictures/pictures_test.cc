@@ -1,16 +1,14 @@
 // .vtu and .svg.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "core/io/meshes/vtu_writer.h"
 #include "core/io/pictures/colour_ramp.h"
 #include "core/io/pictures/svg_writer.h"
 #include "gtest/gtest.h"
+#include "tests/core/io/common/vtu_values.h"
 #include "tests/core/io/meshes/sample_mesh.h"
 #include "tests/support/temp_folder.h"
 
@@ -20,43 +18,18 @@ namespace {
 using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-
-// The values of every DataArray, by name.
-std::map<std::string, std::string> ReadArrays(const std::string& xml) {
-  std::map<std::string, std::string> arrays;
-  for (std::size_t at = 0; (at = xml.find("<DataArray", at)) != std::string::npos; ++at) {
-    const std::size_t name = xml.find("Name=\"", at) + 6;
-    const std::size_t text = xml.find('>', at) + 1;
-    std::string base64 = xml.substr(text, xml.find('<', text) - text);
-    std::erase_if(base64, [](char c) { return c == ' ' || c == '\n'; });
-    std::string raw;
-    EXPECT_TRUE(absl::Base64Unescape(base64, &raw));
-    std::uint64_t bytes = 0;
-    std::memcpy(&bytes, raw.data(), 8);
-    EXPECT_EQ(bytes, raw.size() - 8);
-    arrays[xml.substr(name, xml.find('"', name) - name)] = raw.substr(8);
-  }
-  return arrays;
-}
-
-template <class T>
-std::vector<T> As(const std::string& raw) {
-  std::vector<T> values(raw.size() / sizeof(T));
-  std::memcpy(values.data(), raw.data(), raw.size());
-  return values;
-}
+using testing::VtuValues;
 
 TEST(Vtu, HoldsTheMeshExactly) {
   const TempFolder folder;
   const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
   ASSERT_TRUE(WriteVtu(mesh, kDefaultQuality2D, folder.Path("m.vtu")).ok());
   const std::string xml = folder.Read("m.vtu");
-  EXPECT_NE(xml.find("NumberOfPoints=\"9\" NumberOfCells=\"11\""), std::string::npos);
-  auto arrays = ReadArrays(xml);
-  const auto points = As<double>(arrays["Points"]);
+  EXPECT_NE(xml.find("NumberOfPoints=\"9\" NumberOfCells=\"13\""), std::string::npos);
+  const auto points = VtuValues<double>(xml, "Points");
   ASSERT_EQ(points.size(), 27U);
-  const auto owners = As<std::int64_t>(arrays["owner"]);
-  const auto dimensions = As<std::uint8_t>(arrays["containing_dimension"]);
+  const auto owners = VtuValues<std::int64_t>(xml, "owner");
+  const auto dimensions = VtuValues<std::uint8_t>(xml, "containing_dimension");
   for (std::size_t i = 0; i < 9; ++i) {
     EXPECT_EQ(points[3 * i], mesh.vertices[i].x);
     EXPECT_EQ(points[3 * i + 1], mesh.vertices[i].y);
@@ -66,23 +39,29 @@ TEST(Vtu, HoldsTheMeshExactly) {
                              ? -1
                              : static_cast<std::int64_t>(mesh.vertices[i].owner));
   }
-  const auto corners = As<std::int64_t>(arrays["connectivity"]);
-  ASSERT_EQ(corners.size(), 33U);
+  const auto corners = VtuValues<std::int64_t>(xml, "connectivity");
+  ASSERT_EQ(corners.size(), 37U);  // with the two subsegments of segment 30
   for (std::size_t i = 0; i < 33; ++i) EXPECT_EQ(corners[i], mesh.triangles[i / 3][i % 3]);
-  EXPECT_EQ(As<std::int64_t>(arrays["offsets"])[10], 33);
-  EXPECT_EQ(As<std::uint8_t>(arrays["types"]), std::vector<std::uint8_t>(11, 5));
-  const auto ratios = As<double>(arrays["quality"]);
-  const auto angles = As<double>(arrays["min_angle"]);
-  ASSERT_EQ(ratios.size(), 11U);
-  ASSERT_EQ(angles.size(), 11U);
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "offsets")[10], 33);
+  std::vector<std::uint8_t> types(11, 5);
+  types.insert(types.end(), 2, 3);
+  EXPECT_EQ(VtuValues<std::uint8_t>(xml, "types"), types);
+  std::vector<std::int64_t> cell_owners(11, 0);
+  cell_owners.insert(cell_owners.end(), 2, 30);
+  EXPECT_EQ(VtuValues<std::int64_t>(xml.substr(xml.find("<CellData")), "owner"), cell_owners);
+  const auto ratios = VtuValues<double>(xml, "quality");
+  const auto angles = VtuValues<double>(xml, "min_angle");
+  ASSERT_EQ(ratios.size(), 13U);
+  ASSERT_EQ(angles.size(), 13U);
   for (std::size_t i = 0; i < 11; ++i) {
     const TriangleQuality q = MeasureTriangle(mesh, i);
     EXPECT_EQ(ratios[i], q.radius_edge);
     EXPECT_EQ(angles[i], q.min_angle_deg);
   }
-  EXPECT_EQ(arrays["radius_edge"], arrays["quality"]);
-  EXPECT_EQ(arrays["min_angle_deg"], arrays["min_angle"]);
-  EXPECT_EQ(As<std::uint8_t>(arrays["exempt"]), std::vector<std::uint8_t>(11, 0));
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "radius_edge"), VtuValues<std::int64_t>(xml, "quality"));
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "min_angle_deg"),
+            VtuValues<std::int64_t>(xml, "min_angle"));
+  EXPECT_EQ(VtuValues<std::uint8_t>(xml, "exempt"), std::vector<std::uint8_t>(13, 0));
 }
 
 // Two segments from the origin, an angle of a few degrees apart, each cut at distance 4: the
@@ -107,12 +86,12 @@ TEST(Vtu, TellsWhatASmallInputAngleExcuses) {
   EXPECT_EQ(verdicts[0], SimplexVerdict::kSmallInputAngle);
   EXPECT_EQ(verdicts[3], SimplexVerdict::kOverRho);
   ASSERT_TRUE(WriteVtu(mesh, 1.0, folder.Path("m.vtu")).ok());
-  const std::vector<std::uint8_t> expected = {1, 0, 0, 0};
-  EXPECT_EQ(As<std::uint8_t>(ReadArrays(folder.Read("m.vtu")).at("exempt")), expected);
+  const std::vector<std::uint8_t> expected = {1, 0, 0, 0, 0, 0, 0, 0};  // four of them are of lines
+  EXPECT_EQ(VtuValues<std::uint8_t>(folder.Read("m.vtu"), "exempt"), expected);
   // Within a generous rho nothing needs an excuse.
   ASSERT_TRUE(WriteVtu(mesh, 100.0, folder.Path("m.vtu")).ok());
-  EXPECT_EQ(As<std::uint8_t>(ReadArrays(folder.Read("m.vtu")).at("exempt")),
-            std::vector<std::uint8_t>(4, 0));
+  EXPECT_EQ(VtuValues<std::uint8_t>(folder.Read("m.vtu"), "exempt"),
+            std::vector<std::uint8_t>(8, 0));
 }
 
 TEST(Vtu, SaysWhichRegionATriangleIsInAndWhatThatMeans) {
@@ -120,11 +99,12 @@ TEST(Vtu, SaysWhichRegionATriangleIsInAndWhatThatMeans) {
   const IndexedMesh mesh = IndexMesh(SampleMeshWithRegions()).value();
   ASSERT_TRUE(WriteVtu(mesh, kDefaultQuality2D, folder.Path("m.vtu")).ok());
   const std::string xml = folder.Read("m.vtu");
-  auto arrays = ReadArrays(xml);
-  EXPECT_EQ(As<std::uint32_t>(arrays.at("region")), mesh.regions.numbers);
-  EXPECT_EQ(As<std::int64_t>(arrays.at("region_polygons")),
+  std::vector<std::uint32_t> regions = mesh.regions.numbers;
+  regions.resize(regions.size() + 2, 0);  // of the subsegments
+  EXPECT_EQ(VtuValues<std::uint32_t>(xml, "region"), regions);
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "region_polygons"),
             (std::vector<std::int64_t>{12, 12, 40, 40, 40, -2}));
-  EXPECT_EQ(As<std::int64_t>(arrays.at("region_ends")), (std::vector<std::int64_t>{1, 3, 4, 6}));
+  EXPECT_EQ(VtuValues<std::int64_t>(xml, "region_ends"), (std::vector<std::int64_t>{1, 3, 4, 6}));
   EXPECT_NE(xml.find("Name=\"region_polygons\" NumberOfTuples=\"6\""), std::string::npos);
   EXPECT_LT(xml.find("</FieldData>"), xml.find("<Piece"));
   // Without polygons the file is what it was before there were any.
@@ -135,7 +115,7 @@ TEST(Vtu, SaysWhichRegionATriangleIsInAndWhatThatMeans) {
 TEST(Vtu, OfNothingIsStillAFile) {
   const TempFolder folder;
   ASSERT_TRUE(WriteVtu(IndexedMesh(), kDefaultQuality2D, folder.Path("m.vtu")).ok());
-  EXPECT_EQ(ReadArrays(folder.Read("m.vtu")).at("Points"), "");
+  EXPECT_EQ(VtuValues<double>(folder.Read("m.vtu"), "Points"), std::vector<double>());
 }
 
 std::size_t CountOf(const std::string& text, const std::string& part) {

@@ -35,7 +35,10 @@ TEST(NodeFile, NumbersFromZeroAttributesAndMarkersAreTaken) {
   ASSERT_TRUE(input.ok()) << input.status();
   EXPECT_EQ(input->features,
             (std::vector<Feature>{Feature::Point(1, 1, 2), Feature::Point(2, 3, 4)}));
-  EXPECT_EQ(input->attributes, 2U);
+  EXPECT_EQ(input->labels.attributes, 2U);
+  EXPECT_EQ(input->labels.values, (std::vector<double>{0.5, 7, 0.5, 7}));
+  EXPECT_EQ(input->labels.MarkerOf(1), -1);
+  EXPECT_EQ(input->labels.MarkerOf(2), 9);
 }
 
 TEST(NodeFile, AHeaderMayLeaveOutWhatIsUsual) {

@@ -40,7 +40,7 @@ TEST(SpaceNodeFile, PointsHaveThreeCoordinates) {
   ASSERT_TRUE(input.ok()) << input.status();
   EXPECT_EQ(input->features,
             (std::vector<Feature>{Feature::Point(1, 0.5, -0.0, 1000), Feature::Point(2, 1, 2, 3)}));
-  EXPECT_EQ(input->attributes, 1U);
+  EXPECT_EQ(input->labels.attributes, 1U);
   EXPECT_EQ(input->Where(2), "a.node:4");
 }
 

@@ -1,0 +1,39 @@
+// What a file says of its features beside their geometry: integers (the markers of Triangle and
+// TetGen), names, and attributes of points. Plain data.
+#ifndef DYNMESH_CORE_IO_COMMON_FEATURE_LABELS_H_
+#define DYNMESH_CORE_IO_COMMON_FEATURE_LABELS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::io {
+
+struct FeatureLabels {
+  absl::flat_hash_map<FeatureId, std::int64_t> markers;  // nonzero ones
+  std::map<FeatureId, std::string> names;                // not empty
+  std::size_t attributes = 0;                            // of a point
+  std::vector<double> values;                            // of points 1, 2, ...: `attributes` each
+
+  // Is nothing said of any feature?
+  bool empty() const { return markers.empty() && names.empty() && attributes == 0; }
+  // 0 if the feature has none.
+  std::int64_t MarkerOf(FeatureId id) const {
+    const auto it = markers.find(id);
+    return it == markers.end() ? 0 : it->second;
+  }
+  // Empty if the feature has none.
+  std::string NameOf(FeatureId id) const {
+    const auto it = names.find(id);
+    return it == names.end() ? "" : it->second;
+  }
+};
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_COMMON_FEATURE_LABELS_H_

@@ -1,0 +1,223 @@
+// Markers, names and attributes of the input in what is written.
+#include "client/cli/labels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "client/cli/input.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "gtest/gtest.h"
+#include "tests/client/cli/command_line.h"
+
+namespace dynmesh::cli {
+namespace {
+
+// A unit square with a hole, markers everywhere but on segment 3; the attribute is x + y. The
+// region has the attribute 7.5 and triangles of at most 0.01.
+constexpr char kPlate[] =
+    "8 2 1 1\n1 0 0 0 5\n2 1 0 1 5\n3 1 1 2 6\n4 0 1 1 6\n"
+    "5 .4 .4 .8 7\n6 .6 .4 1 7\n7 .6 .6 1.2 7\n8 .4 .6 1 -7\n"
+    "8 1\n1 1 2 11\n2 2 3 12\n3 3 4 0\n4 4 1 14\n5 5 6 20\n6 6 7 20\n7 7 8 20\n8 8 5 20\n"
+    "1\n1 .5 .5\n1\n1 .1 .1 7.5 .01\n";
+
+// Rows of numbers, without comments and the header.
+std::vector<std::vector<double>> Rows(const std::string& text) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::vector<double>& row = rows.emplace_back();
+    std::istringstream numbers(line);
+    for (double x = 0; numbers >> x;) row.push_back(x);
+  }
+  rows.erase(rows.begin());
+  return rows;
+}
+
+// The marker that a position of the plate has.
+double MarkerAt(double x, double y) {
+  const std::map<std::pair<double, double>, double> points = {
+      {{0, 0}, 5},   {{1, 0}, 5},   {{1, 1}, 6},   {{0, 1}, 6},
+      {{.4, .4}, 7}, {{.6, .4}, 7}, {{.6, .6}, 7}, {{.4, .6}, -7}};
+  if (const auto it = points.find({x, y}); it != points.end()) return it->second;
+  if (y == 0) return 11;
+  if (x == 1) return 12;
+  if (y == 1) return 1;  // without a marker, on the border
+  if (x == 0) return 14;
+  const bool on_hole =
+      ((x == .4 || x == .6) && y >= .4 && y <= .6) || ((y == .4 || y == .6) && x >= .4 && x <= .6);
+  return on_hole ? 20 : 0;
+}
+
+class Labels : public CommandLineFixture {};
+
+TEST_F(Labels, MarkersOfTheInputAreKeptAndInherited) {
+  folder_.Write("p.poly", kPlate);
+  const Outcome made = Run("mesh p.poly --inside --markers input -o m.node -o m.mesh -o m.msh");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(made.err, "");
+  const auto nodes = Rows(folder_.Read("m.node"));
+  ASSERT_GT(nodes.size(), 100U);
+  std::set<double> seen;
+  for (const auto& row : nodes) {
+    ASSERT_EQ(row.size(), 5U);
+    EXPECT_EQ(row[4], MarkerAt(row[1], row[2])) << row[1] << " " << row[2];
+    EXPECT_NEAR(row[3], row[1] + row[2], 1e-12);  // the attribute
+    seen.insert(row[4]);
+  }
+  EXPECT_EQ(seen, (std::set<double>{-7, 0, 1, 5, 6, 7, 11, 12, 14, 20}));
+  std::map<double, int> edges;
+  for (const auto& row : Rows(folder_.Read("m.edge"))) {
+    const auto &a = nodes[static_cast<std::size_t>(row[1]) - 1],
+               &b = nodes[static_cast<std::size_t>(row[2]) - 1];
+    EXPECT_EQ(row[3], MarkerAt((a[1] + b[1]) / 2, (a[2] + b[2]) / 2));
+    ++edges[row[3]];
+  }
+  EXPECT_EQ(edges.size(), 6U);  // 0 1 11 12 14 20
+  for (const auto& row : Rows(folder_.Read("m.ele"))) {
+    ASSERT_EQ(row.size(), 5U);
+    EXPECT_EQ(row[4], 7.5);
+    double area = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto &p = nodes[static_cast<std::size_t>(row[1 + k]) - 1],
+                 &q = nodes[static_cast<std::size_t>(row[1 + (k + 1) % 3]) - 1];
+      area += (p[1] * q[2] - q[1] * p[2]) / 2;
+    }
+    EXPECT_LE(area, 0.01);
+  }
+  const std::string msh = folder_.Read("m.msh");
+  for (const char* group : {"0 5 \"marker 5\"", "1 20 \"marker 20\"", "1 14 \"marker 14\""}) {
+    EXPECT_NE(msh.find(group), std::string::npos) << group;
+  }
+  EXPECT_EQ(msh.find("marker 0"), std::string::npos);
+  // An edge of Medit's file with reference 20.
+  const std::string mesh = folder_.Read("m.mesh");
+  EXPECT_NE(mesh.substr(mesh.find("Edges"), mesh.find("Triangles")).find(" 20\n"),
+            std::string::npos);
+  // Such files can be judged, though not by ids.
+  EXPECT_EQ(Run("stats m.node").code, 0);
+}
+
+TEST_F(Labels, IdsStayTheDefaultOnSteinerPointsByRequest) {
+  folder_.Write("p.poly", kPlate);
+  const Outcome made = Run("mesh p.poly -o m.node");
+  ASSERT_EQ(made.code, 0);
+  ASSERT_EQ(Run("mesh p.poly --markers owners -o o.node").code, 0);
+  EXPECT_NE(made.err.find("p.poly: 15 marker(s) of the input"), std::string::npos) << made.err;
+  EXPECT_EQ(Run("verify m.node --input p.poly").code, 0);
+  for (const std::string name : {"m", "o"}) {
+    std::set<double> markers;
+    for (const auto& row : Rows(folder_.Read(name + ".node"))) {
+      if (row[2] == 0 && row[1] > 0 && row[1] < 1) {  // on segment 9
+        EXPECT_EQ(row[4], name == "o" ? 9 : 0);
+      }
+      markers.insert(row[4]);
+    }
+    EXPECT_TRUE(markers.contains(8) && markers.contains(-1) && markers.contains(0)) << name;
+  }
+  // Both say the same of what lies where.
+  EXPECT_EQ(Run("verify o.node --input p.poly").code, 0);
+  EXPECT_EQ(Run("diff m.node o.node").code, 0);
+  EXPECT_EQ(Run("mesh p.poly --markers some -o m.node").code, 2);
+}
+
+TEST_F(Labels, OfFacetsAreKeptInSpace) {
+  // A cube; every facet has the marker of its number, points none.
+  folder_.Write("c.smesh",
+                "8 3 1 0\n1 0 0 0 1\n2 4 0 0 5\n3 4 4 0 9\n4 0 4 0 5\n5 0 0 4 0\n6 4 0 4 4\n"
+                "7 4 4 4 8\n8 0 4 4 4\n6 1\n4 1 2 3 4 1\n4 5 6 7 8 2\n4 1 2 6 5 3\n4 2 3 7 6 4\n"
+                "4 3 4 8 7 5\n4 4 1 5 8 6\n0\n1\n1 2 2 2 3 .5\n");
+  const Outcome made = Run("mesh c.smesh --inside --markers input -o m.node -o m.vtu");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const auto nodes = Rows(folder_.Read("m.node"));
+  for (const auto& row : nodes) {
+    ASSERT_EQ(row.size(), 6U);
+    EXPECT_NEAR(row[4], row[1] + row[2] - row[3] / 4 + 1, 1e-9);
+    const bool inside =
+        row[1] > 0 && row[1] < 4 && row[2] > 0 && row[2] < 4 && row[3] > 0 && row[3] < 4;
+    EXPECT_EQ(row[5] == 0, inside);
+  }
+  for (const auto& row : Rows(folder_.Read("m.face"))) {
+    std::array<double, 3> sum{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        sum[i] += nodes[static_cast<std::size_t>(row[1 + k]) - 1][1 + i];
+      }
+    }
+    const double wanted = sum[2] == 0    ? 1
+                          : sum[2] == 12 ? 2
+                          : sum[1] == 0  ? 3
+                          : sum[0] == 12 ? 4
+                          : sum[1] == 12 ? 5
+                                         : 6;
+    EXPECT_EQ(row[4], wanted);
+  }
+  const auto tetrahedra = Rows(folder_.Read("m.ele"));
+  for (const auto& row : tetrahedra) EXPECT_EQ(row.back(), 3);
+}
+
+TEST_F(Labels, FacesOfDifferentMarkersAreNotJoined) {
+  // A square of two triangles with one marker, beside two with another.
+  folder_.Write("f.smesh",
+                "6 3 0 0\n1 0 0 0\n2 4 0 0\n3 8 0 0\n4 0 4 0\n5 4 4 0\n6 8 4 0\n"
+                "4 1\n3 1 2 5 7\n3 1 5 4 7\n3 2 3 6 8\n3 2 6 5 8\n0\n0\n");
+  const auto input = LoadInput(folder_.Path("f.smesh"), {true, 0});
+  ASSERT_TRUE(input.ok()) << input.status();
+  std::map<std::int64_t, std::size_t> corners;
+  for (const Feature& f : input->features) {
+    EXPECT_NE(f.kind, FeatureKind::kSegment);
+    if (f.kind == FeatureKind::kPolygon) corners[input->labels->MarkerOf(f.id)] = f.rings[0].size();
+  }
+  EXPECT_EQ(corners, (std::map<std::int64_t, std::size_t>{{7, 4}, {8, 4}}));
+}
+
+TEST_F(Labels, NamesGoFromScriptsAndMapsIntoFiles) {
+  folder_.Write("s.dynmesh",
+                "mesh box=0,0,4,4\nadd point 1 0 0\nadd point 2 4 0\nadd point 3 4 4\n"
+                "add point 4 0 4\nadd segment 5 1 2\nadd segment 6 2 3\nadd polygon 9 1 2 3 4\n"
+                "name 5 Inlet of \"gas\"\nname 6 Wall\nname 9 Plate\nmarker 5 42\nmarker 6 0\n");
+  Outcome made = Run("mesh s.dynmesh --inside -o m.node -o m.msh -o m.vtu -o m.mesh");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string msh = folder_.Read("m.msh");
+  EXPECT_NE(msh.find("1 5 \"Inlet of 'gas'\"\n"), std::string::npos) << msh.substr(0, 600);
+  EXPECT_NE(msh.find("2 2 \"Plate\"\n"), std::string::npos);
+  EXPECT_NE(folder_.Read("m.mesh").find("# reference 6: feature 6, Wall\n"), std::string::npos);
+  const std::string vtu = folder_.Read("m.vtu");
+  for (const char* name : {"Inlet of &quot;gas&quot;", "Wall", "Plate"}) {
+    EXPECT_NE(vtu.find(std::string("Name=\"") + name + "\" NumberOfTuples=\"1\""),
+              std::string::npos)
+        << name;
+  }
+  EXPECT_NE(folder_.Read("m.node").find("# dynmesh name 5 Inlet of \"gas\"\n"), std::string::npos);
+  const Outcome stats = Run("stats m.node --json");
+  EXPECT_NE(stats.out.find("\"names\": {\"5\": \"Inlet of \\\"gas\\\"\""), std::string::npos)
+      << stats.out;
+  ASSERT_EQ(Run("replay s.dynmesh --markers input -o r.node").code, 0);
+  std::set<double> markers;
+  for (const auto& row : Rows(folder_.Read("r.edge"))) markers.insert(row[3]);
+  EXPECT_EQ(markers, (std::set<double>{0, 1, 42}));
+  folder_.Write("m.geojson",
+                R"({"type": "Feature", "properties": {"name": "Mohave"}, "geometry":
+                {"type": "Polygon", "coordinates": [[[0,0],[4,0],[4,4],[0,4],[0,0]]]}})");
+  made = Run("mesh m.geojson --polygons --inside -o g.msh");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_NE(folder_.Read("g.msh").find("\"Mohave\"\n"), std::string::npos);
+}
+
+TEST_F(Labels, ScriptsWithBadLabelsAreRefused) {
+  for (const char* line :
+       {"marker 1", "marker x 1", "marker 1 x", "marker 1 2 3", "name 1", "name x y", "name 0 y"}) {
+    folder_.Write("s.dynmesh", std::string("mesh box=0,0,1,1\n") + line + "\n");
+    const Outcome outcome = Run("mesh s.dynmesh");
+    EXPECT_EQ(outcome.code, 2) << line;
+    EXPECT_NE(outcome.err.find("s.dynmesh:2: "), std::string::npos) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::cli
