@@ -17,6 +17,8 @@ namespace dynmesh::cli {
 struct MeshLabels {
   std::shared_ptr<const io::FeatureLabels> features;  // null: nothing is known
   std::vector<io::SeedRow> regions;                   // whose attributes simplices get
+  std::vector<io::SeedRow> holes;                     // of .poly and .smesh
+  bool is_part = false;                               // the mesh does not fill its box
   bool replace_ids = false;                           // --markers input
   bool steiner_ids = false;                           // --markers owners
 };

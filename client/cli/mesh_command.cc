@@ -107,6 +107,8 @@ int Run(const MeshCommand& command) {
   MeshLabels labels;
   labels.features = input->labels;
   labels.regions = input->regions;
+  labels.holes = input->holes;
+  labels.is_part = !selection->IsEverything();
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
     return ReportError(status);
   }
@@ -117,6 +119,9 @@ int Run(const MeshCommand& command) {
         command.input, input->labels->markers.size()));
   }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
+  if (auto status = CheckNotInput(command.output, command.input); !status.ok()) {
+    return ReportError(status);
+  }
   MeshOptions options = input->options;
   if (auto status = ApplyMeshFlags(command.mesh, options, MeshLife::kFromScratch); !status.ok()) {
     return ReportError(status);

@@ -1,5 +1,8 @@
 #include "client/cli/output.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/common/text_reader.h"
@@ -21,7 +24,8 @@ using io::ExtensionOf;
 
 bool IsTriangles(const std::string& extension) {
   return extension == ".node" || extension == ".ele" || extension == ".edge" ||
-         extension == ".face";
+         extension == ".face" || extension == ".neigh" || extension == ".poly" ||
+         extension == ".smesh";
 }
 
 bool IsKnown(const std::string& extension) {
@@ -84,12 +88,28 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
       .add_option(
           "-o,--output", flags.paths,
-          "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it), "
-          ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; of a quadtree .csv, .vtu or .svg; may "
+          "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it; .poly, "
+          ".smesh or .neigh with that file, too), .vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; of "
+          "a quadtree .csv, .vtu or .svg; may "
           "be given several times")
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
+  command
+      .add_option("--order", flags.order,
+                  "Order of the elements in .node, .msh and .vtu; 2: with a node in the middle of "
+                  "each edge (default: 1)")
+      ->type_name("1|2")
+      ->check(CLI::Range(1, 2));
+  command.add_flag("--zero-based", flags.from_zero,
+                   "In .node and the files beside it, number from 0");
+  command.add_flag("--neighbours,--neighbors", flags.neighbours,
+                   "With a .node, write the neighbours of triangles or tetrahedra to .neigh");
+  command.add_flag("--voronoi", flags.voronoi,
+                   "With a .node, write the Voronoi diagram to .v.node and .v.edge");
+  command.add_flag("--same-name", flags.same_name,
+                   "A .node and the files beside it may have the base name of the input, though "
+                   "Triangle and TetGen read some of them as a part of it");
   command
       .add_option("--fill", flags.fill,
                   "Colours of a picture (default: angle; plain with --highlight; size of a "
@@ -117,6 +137,10 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
 absl::Status CheckOutputs(const OutputFlags& flags) {
   for (const std::string& path : flags.paths) {
     const std::string extension = ExtensionOf(path);
+    if (extension == ".mesh" && flags.order == 2) {
+      return absl::InvalidArgumentError(
+          text::Concat(path, ": --order 2 is for .node, .msh and .vtu"));
+    }
     if (IsKnown(extension)) continue;
     if (extension == ".png") {
       return absl::UnimplementedError(text::Concat(
@@ -130,6 +154,24 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
   return MakeSvgOptions(flags, MeshOptions(), false).status();
 }
 
+absl::Status CheckNotInput(const OutputFlags& flags, const std::string& input) {
+  if (flags.same_name || !IsTriangles(ExtensionOf(input))) return absl::OkStatus();
+  for (const std::string& path : flags.paths) {
+    std::error_code error;  // of a path that cannot be made absolute: it is no input then
+    const auto stem_of = [&](const std::string& file) {
+      return std::filesystem::weakly_canonical(
+          std::filesystem::absolute(io::StemOfMeshFiles(file), error), error);
+    };
+    if (!IsTriangles(ExtensionOf(path)) || stem_of(path) != stem_of(input)) continue;
+    return absl::InvalidArgumentError(text::Concat(
+        path, ": files of this base name belong to the input ", input,
+        ", and Triangle and TetGen would read what is written as a part of it; choose another "
+        "name, as ",
+        io::StemOfMeshFiles(path), ".1", ExtensionOf(path), ", or give --same-name"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags) {
   const bool is_quadtree = options.kind == MeshKind::kQuadtree;
   for (const std::string& path : flags.paths) {
@@ -137,6 +179,10 @@ absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags
     if (is_quadtree && extension != ".csv" && extension != ".vtu" && extension != ".svg") {
       return absl::InvalidArgumentError(
           text::Concat(path, ": a quadtree is written as .csv, .vtu or .svg"));
+    }
+    if (extension == ".smesh" && options.dimension == 2) {
+      return absl::InvalidArgumentError(
+          text::Concat(path, ": a .smesh is of 3D; a 2D mesh takes .poly"));
     }
     if (!is_quadtree && extension == ".csv") {
       return absl::InvalidArgumentError(
@@ -182,6 +228,9 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return absl::InternalError(indexed.status().message());
   ApplyLabels(labels, *indexed);
+  const io::IndexedMesh first_order =
+      flags.order == 2 ? *indexed : io::IndexedMesh();  // for pictures
+  if (flags.order == 2) io::AddMidpoints(*indexed);
   for (const std::string& path : flags.paths) {
     const std::string extension = ExtensionOf(path);
     absl::Status status;
@@ -194,10 +243,19 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
     } else if (extension == ".svg") {
       absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, !highlight.empty());
       if (!svg.ok()) return svg.status();
-      if (!highlight.empty()) svg->highlight = io::FindSimplices(*indexed, highlight);
-      status = io::WriteSvg(*indexed, *svg, path);
+      const io::IndexedMesh& shown = flags.order == 2 ? first_order : *indexed;
+      if (!highlight.empty()) svg->highlight = io::FindSimplices(shown, highlight);
+      status = io::WriteSvg(shown, *svg, path);
     } else {
-      status = io::WriteMeshFiles(*indexed, path);
+      io::MeshFileOptions files;
+      files.from_zero = flags.from_zero;
+      files.neighbours = flags.neighbours;
+      files.voronoi = flags.voronoi;
+      files.is_part = labels.is_part;
+      files.rho = options.quality;
+      files.min_dihedral = options.min_dihedral;
+      files.holes = labels.holes;
+      status = io::WriteMeshFiles(*indexed, path, files);
     }
     if (!status.ok()) return status;
   }

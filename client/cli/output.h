@@ -19,9 +19,13 @@ struct OutputFlags {
   std::string crop;
   std::string cut;  // 3D: empty for the middle, else an axis and a position
   double width = 1000;
+  int order = 1;  // of elements
+  bool from_zero = false, neighbours = false, voronoi = false;
+  bool same_name = false;  // files may have the base name of the input
 };
 
-// -o, and --fill --crop --cut --width for pictures.
+// -o, --order, --zero-based, --neighbours, --voronoi and --same-name for meshes, and --fill --crop
+// --cut --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 
 // Checks that all paths are of a writable kind and the flags are valid. To be called before
@@ -30,6 +34,10 @@ absl::Status CheckOutputs(const OutputFlags& flags);
 
 // The same when the dimension and kind of the mesh are known.
 absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags);
+
+// INVALID_ARGUMENT if a .node and the files beside it would have the base name of the file `input`,
+// unless flags.same_name: Triangle and TetGen read them with it.
+absl::Status CheckNotInput(const OutputFlags& flags, const std::string& input);
 
 // Writes every file, with `labels`. Pictures show the box of `options` unless cropped, and
 // highlight the simplices `highlight`.

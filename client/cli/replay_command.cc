@@ -214,7 +214,8 @@ class Replay {
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
-    if (!selection_.IsEverything()) {
+    labels_.is_part = !selection_.IsEverything();
+    if (labels_.is_part) {
       absl::StatusOr<Mesh> part = selection_.Of(mesh);
       if (!part.ok()) return part.status();
       mesh = *std::move(part);

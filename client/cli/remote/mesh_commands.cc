@@ -90,7 +90,9 @@ int RunExport(const NamedCommand& command) {
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
   WarnOfUnknownRegions(*region, *mesh);
-  if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
+  MeshLabels labels;
+  labels.is_part = !command.region.empty();
+  if (auto status = WriteOutputs(*mesh, info->options, command.output, labels); !status.ok()) {
     return ReportError(status);
   }
   if (!command.server.json) {

@@ -60,12 +60,17 @@ struct IndexedMesh {
   RegionNumbers regions;                // of the simplices
   std::vector<Edge> edges;              // all of them
   std::vector<Face> faces;              // 3D
-  RowLabels labels;                     // what the input says of rows; IndexMesh leaves it empty
+  // Order 2: the vertices from here on are the midpoints of `edges`, in their order. 0: order 1.
+  std::uint32_t first_midpoint = 0;
+  RowLabels labels;  // what the input says of rows; IndexMesh leaves it empty
 
   // Of the mesh's dimension.
   std::size_t simplex_count() const {
     return dimension == 2 ? triangles.size() : tetrahedra.size();
   }
+  int order() const { return first_midpoint == 0 ? 1 : 2; }
+  // O(lg n). REQUIRES: order 2, and a and b are the ends of an edge.
+  std::uint32_t MidpointOf(std::uint32_t a, std::uint32_t b) const;
   std::size_t subsegment_count() const;
   std::size_t subfacet_count() const;
 };
@@ -90,6 +95,11 @@ void ForEachSimplex(const IndexedMesh& mesh, F f) {
 // INVALID_ARGUMENT if a simplex, subsegment or subfacet names an unknown vertex, an id occurs twice
 // or columns disagree. O(n lg n).
 absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh);
+
+// Makes the mesh one of order 2: adds a vertex in the middle of each edge (straight elements), with
+// the owner of the edge, in 3D else of the face that it is in, and labels likewise. REQUIRES: order
+// 1. O(n lg n).
+void AddMidpoints(IndexedMesh& mesh);
 
 // Back to ids, with revision 0 and the hash of the parts. Rows keep their order. Accepts any
 // content, valid mesh or not. Of several vertices with equal coordinates all but the first get

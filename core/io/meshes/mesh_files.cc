@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "core/base/text.h"
-#include "core/io/common/extension.h"
-#include "core/io/common/file_writer.h"
 #include "core/io/common/text_reader.h"
 #include "core/io/common/triangle_sections.h"
+#include "core/io/meshes/mesh_notes.h"
 
 namespace dynmesh::io {
 
@@ -19,143 +17,6 @@ using text::Concat;
 using text::Split;
 using text::View;
 namespace {
-
-constexpr std::string_view kHashNote = "hash ";
-// The notes for vertices of the box, by containing dimension.
-constexpr std::string_view kBoxNotes[] = {"", "box-side-vertices ", "box-face-vertices "};
-constexpr std::string_view kRegionNote = "region ";
-constexpr std::string_view kNameNote = "name ";
-constexpr std::string_view kMarkersNote = "markers input";
-constexpr std::size_t kNumbersPerNote = 16;
-
-std::string Stem(const std::string& path) {
-  const std::filesystem::path p(path);
-  const std::string extension = ExtensionOf(path);
-  if (extension != ".node" && extension != ".ele" && extension != ".edge" && extension != ".face") {
-    return path;
-  }
-  return (p.parent_path() / p.stem()).string();
-}
-
-// The box is written as -1, which is its id in two's complement.
-void WriteMarker(FeatureId owner, FileWriter& out) {
-  if (owner == kBoxFeature) {
-    out << -1;
-  } else {
-    out << owner;
-  }
-}
-
-// The vertices that refinement put on the sides or faces of the box.
-void WriteBoxNotes(const IndexedMesh& mesh, int containing_dimension, FileWriter& out) {
-  std::vector<std::size_t> listed;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const IndexedMesh::Vertex& v = mesh.vertices[i];
-    if (v.owner == kBoxFeature && v.containing_dimension == containing_dimension) {
-      listed.push_back(i + 1);
-    }
-  }
-  for (std::size_t i = 0; i < listed.size(); i += kNumbersPerNote) {
-    const std::string_view note = kBoxNotes[containing_dimension];
-    out << "# dynmesh " << note.substr(0, note.size() - 1);
-    for (std::size_t k = i; k < std::min(i + kNumbersPerNote, listed.size()); ++k) {
-      out << ' ' << listed[k];
-    }
-    out << '\n';
-  }
-}
-
-// The marker of row i, from the labels if they have it in place of ids.
-void WriteRowMarker(const IndexedMesh& mesh, const std::vector<std::int64_t>& labels, std::size_t i,
-                    FeatureId owner, FileWriter& out) {
-  if (mesh.labels.replace_ids) {
-    out << labels[i];
-  } else {
-    WriteMarker(owner, out);
-  }
-}
-
-// A name as the rest of a comment's line.
-std::string OneLine(std::string name) {
-  for (char& c : name) {
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  }
-  return name;
-}
-
-FeatureId VertexMarker(const IndexedMesh::Vertex& v, bool steiner_ids) {
-  const bool is_marked = steiner_ids || v.containing_dimension == 0 || v.owner == kBoxFeature;
-  return is_marked ? v.owner : kNoFeature;
-}
-
-void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
-  const std::size_t attributes = mesh.labels.attributes;
-  out << mesh.vertices.size() << ' ' << mesh.dimension << ' ' << attributes << " 1\n";
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const IndexedMesh::Vertex& v = mesh.vertices[i];
-    out << i + 1 << ' ' << v.x << ' ' << v.y << ' ';
-    if (mesh.dimension == 3) out << v.z << ' ';
-    for (std::size_t k = 0; k < attributes; ++k) {
-      out << mesh.labels.vertex_values[i * attributes + k] << ' ';
-    }
-    WriteRowMarker(mesh, mesh.labels.vertex_markers, i, VertexMarker(v, mesh.labels.steiner_ids),
-                   out);
-    out << '\n';
-  }
-  if (mesh.labels.replace_ids) {
-    out << "# dynmesh " << kMarkersNote << '\n';
-  } else {
-    for (int d = 1; d < mesh.dimension; ++d) WriteBoxNotes(mesh, d, out);
-  }
-  if (mesh.labels.features != nullptr) {
-    for (const auto& [id, name] : mesh.labels.features->names) {
-      out << "# dynmesh name " << id << ' ' << OneLine(name) << '\n';
-    }
-  }
-  if (!mesh.labels.replace_ids) out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
-}
-
-void WriteSimplices(const IndexedMesh& mesh, FileWriter& out) {
-  const std::vector<double>& values = mesh.labels.simplex_values;
-  const bool has_values = mesh.labels.replace_ids && !values.empty();
-  const bool has_regions = !mesh.labels.replace_ids && mesh.regions.count() != 0;
-  out << mesh.simplex_count() << ' ' << mesh.dimension + 1 << ' '
-      << (has_regions || has_values ? 1 : 0) << '\n';
-  std::size_t i = 0;
-  ForEachSimplex(mesh, [&](const auto& corners) {
-    out << i + 1;
-    for (const std::uint32_t v : corners) out << ' ' << std::uint64_t{v} + 1;
-    if (has_regions) out << ' ' << mesh.regions.Of(i);
-    if (has_values) out << ' ' << values[i];
-    out << '\n';
-    ++i;
-  });
-  if (!has_regions) return;
-  for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
-    out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
-  }
-}
-
-void WriteFaces(const IndexedMesh& mesh, FileWriter& out) {
-  out << mesh.faces.size() << " 1\n";
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    out << i + 1;
-    for (const std::uint32_t v : mesh.faces[i].corners) out << ' ' << std::uint64_t{v} + 1;
-    out << ' ';
-    WriteRowMarker(mesh, mesh.labels.face_markers, i, mesh.faces[i].owner, out);
-    out << '\n';
-  }
-}
-
-void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
-  out << mesh.edges.size() << " 1\n";
-  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
-    const IndexedMesh::Edge& e = mesh.edges[i];
-    out << i + 1 << ' ' << e.a + 1 << ' ' << e.b + 1 << ' ';
-    WriteRowMarker(mesh, mesh.labels.edge_markers, i, e.owner, out);
-    out << '\n';
-  }
-}
 
 // Assigns `owner` to a corner of its constraint, of dimension `containing`, unless the vertex lies
 // on input of lower dimension. A marker that is the constraint's is no point's.
@@ -200,13 +61,13 @@ void ForgetMarkers(const NodeSection& nodes, IndexedMesh& mesh) {
 
 // "12 40 ...": the vertices of the box with this containing dimension.
 absl::Status ReadBoxNote(const TextReader& reader, std::string_view name, std::string_view text,
-                         int containing_dimension, IndexedMesh& mesh) {
+                         int containing_dimension, std::uint64_t base, IndexedMesh& mesh) {
   for (const std::string_view number : Split(text, ' ')) {
     std::uint64_t vertex = 0;
-    if (!ParseUint64(number, &vertex) || vertex < 1 || vertex > mesh.vertices.size()) {
+    if (!ParseUint64(number, &vertex) || vertex - base >= mesh.vertices.size()) {
       return reader.Error(Concat(name, "names no vertex: ", number));
     }
-    mesh.vertices[vertex - 1].containing_dimension = containing_dimension;
+    mesh.vertices[vertex - base].containing_dimension = containing_dimension;
   }
   return absl::OkStatus();
 }
@@ -223,11 +84,26 @@ absl::Status ReadNameNote(const TextReader& reader, std::string_view text, MeshF
   return absl::OkStatus();
 }
 
-absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
+// "rho 1.5" and the like: a number above 0.
+absl::Status ReadBoundNote(const TextReader& reader, std::string_view note, std::string_view name,
+                           std::optional<double>& bound) {
+  if (!note.starts_with(name)) return absl::OkStatus();
+  double value = 0;
+  if (!ParseDouble(note.substr(name.size()), &value) || !(value > 0)) {
+    return reader.Error(Concat(name, "is no number above 0: ", text::Quoted(note)));
+  }
+  bound = value;
+  return absl::OkStatus();
+}
+
+absl::Status ReadNotes(const TextReader& reader, std::uint64_t base, MeshFiles& files) {
   for (const std::string_view note : reader.notes()) {
     if (note.starts_with(kNameNote)) {
       if (auto s = ReadNameNote(reader, note.substr(kNameNote.size()), files); !s.ok()) return s;
     }
+    if (auto s = ReadBoundNote(reader, note, kRhoNote, files.rho); !s.ok()) return s;
+    if (auto s = ReadBoundNote(reader, note, kDihedralNote, files.min_dihedral); !s.ok()) return s;
+    files.is_part |= note == kPartNote;
     if (note.starts_with(kHashNote)) {
       absl::StatusOr<MeshHash> hash = MeshHash::FromHex(note.substr(kHashNote.size()));
       if (!hash.ok()) return reader.Error(View(hash.status().message()));
@@ -236,7 +112,7 @@ absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
     for (int d = 1; d < files.mesh.dimension; ++d) {
       if (!note.starts_with(kBoxNotes[d])) continue;
       const std::string_view rest = note.substr(kBoxNotes[d].size());
-      if (auto s = ReadBoxNote(reader, kBoxNotes[d], rest, d, files.mesh); !s.ok()) return s;
+      if (auto s = ReadBoxNote(reader, kBoxNotes[d], rest, d, base, files.mesh); !s.ok()) return s;
     }
   }
   return absl::OkStatus();
@@ -336,29 +212,6 @@ absl::StatusOr<std::optional<TextReader>> OpenIfThere(const std::string& path) {
 
 }  // namespace
 
-absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path) {
-  const std::string stem = Stem(path);
-  FileWriter nodes(stem + ".node");
-  FileWriter simplices(stem + ".ele");
-  FileWriter edges(stem + ".edge");
-  std::optional<FileWriter> faces;
-  std::vector<FileWriter*> files = {&nodes, &simplices, &edges};
-  WriteNodes(mesh, nodes);
-  WriteSimplices(mesh, simplices);
-  WriteEdges(mesh, edges);
-  if (mesh.dimension == 3) {
-    WriteFaces(mesh, faces.emplace(stem + ".face"));
-    files.push_back(&*faces);
-  }
-  for (FileWriter* file : files) {
-    if (auto status = file->Finish(); !status.ok()) return status;
-  }
-  for (FileWriter* file : files) {
-    if (auto status = file->Close(); !status.ok()) return status;
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
                                          std::optional<TextReader> edges,
                                          std::optional<TextReader> faces) {
@@ -383,7 +236,7 @@ absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
   } else {
     InferOwners(*section, files.mesh);
   }
-  if (auto status = ReadNotes(nodes, files); !status.ok()) return status;
+  if (auto status = ReadNotes(nodes, section->base, files); !status.ok()) return status;
   const absl::Status status = in_space ? ParseSimplices<3>(simplices, *section, files)
                                        : ParseSimplices<2>(simplices, *section, files);
   if (!status.ok()) return status;
@@ -391,7 +244,7 @@ absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
 }
 
 absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path) {
-  const std::string stem = Stem(path);
+  const std::string stem = StemOfMeshFiles(path);
   absl::StatusOr<TextReader> nodes = TextReader::Open(stem + ".node");
   if (!nodes.ok()) return nodes.status();
   absl::StatusOr<std::optional<TextReader>> edges = OpenIfThere(stem + ".edge");

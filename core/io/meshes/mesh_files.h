@@ -19,28 +19,51 @@
 #ifndef DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 #define DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/common/text_reader.h"
+#include "core/io/common/triangle_sections.h"
 #include "core/io/meshes/indexed_mesh.h"
 
 namespace dynmesh::io {
 
-// `path` is one of the files or their common stem. Either all are written, or the former ones stay;
-// UNAVAILABLE, naming the file, if one cannot be written.
-absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path);
+struct MeshFileOptions {
+  bool from_zero = false;  // vertices and all rows are numbered from 0
+  bool neighbours =
+      false;             // with .neigh: the simplices across the sides opposite to corners, or -1
+  bool voronoi = false;  // with .v.node and .v.edge, the dual of the mesh
+  bool is_part = false;  // comments say so: it does not fill its box
+  double rho = 0, min_dihedral = 0;  // comments have the bounds that the mesh was made with; 0: no
+  std::vector<SeedRow> holes;        // of a .poly or .smesh
+  std::uint64_t base() const { return from_zero ? 0 : 1; }
+};
+
+// `path` is one of the files or their common stem. With .poly or .smesh as extension there is also
+// that file: without vertices, and with subsegments or subfacets as segments or facets. In 2D it is
+// for `triangle -rp`; in 3D for `tetgen -p`, and only the .node is beside it. Either all are written, or the former ones stay; UNAVAILABLE, naming the
+// file, if one cannot be written. Of a mesh with midpoints (order 2), .ele has them behind the
+// corners, in the order of Triangle or TetGen, and no hash is recorded.
+absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path,
+                            const MeshFileOptions& options = {});
+
+// The common stem of the files that `path` is one of.
+std::string StemOfMeshFiles(const std::string& path);
 
 struct MeshFiles {
   IndexedMesh mesh;       // rows and orientation as in the file
   bool has_edges = true;  // false: there is no .edge file
   bool has_faces = true;  // 3D; false: there is no .face file
   std::optional<MeshHash> recorded_hash;
-  bool has_input_markers = false;          // markers are the input's: no owner is known
-  std::map<FeatureId, std::string> names;  // of features
+  std::optional<double> rho, min_dihedral;  // recorded bounds
+  bool is_part = false;                     // it is recorded that the mesh does not fill its box
+  bool has_input_markers = false;           // markers are the input's: no owner is known
+  std::map<FeatureId, std::string> names;   // of features
 };
 
 // Reads any content, valid mesh or not (`verify` checks that). Checks only form, counts and vertex

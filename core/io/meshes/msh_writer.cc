@@ -25,7 +25,11 @@ namespace {
 // The format's limit for the names of physical groups: Gmsh misreads longer ones.
 constexpr std::size_t kMostNameLength = 127;
 constexpr int kPointElement = 15;
-constexpr int kElementOf[] = {kPointElement, 1, 2, 4};  // by dimension: line, triangle, tetrahedron
+// By order and dimension: line, triangle, tetrahedron.
+constexpr int kElementOf[2][4] = {{kPointElement, 1, 2, 4}, {kPointElement, 8, 9, 11}};
+// The format's order of midpoints, by the number of corners.
+const std::vector<std::pair<std::size_t, std::size_t>> kMidpointsOf[] = {
+    {}, {}, {{0, 1}}, {{0, 1}, {1, 2}, {2, 0}}, {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
 
 struct PointEntity {
   int tag = 0;
@@ -162,6 +166,11 @@ class MshFile {
     std::size_t i = 0;
     ForEachSimplex(mesh_, [&](const auto& corners) {
       for (const std::uint32_t v : corners) region_of[v] = mesh_.regions.Of(i);
+      if (mesh_.order() == 2) {
+        for (const auto& [j, k] : kMidpointsOf[corners.size()]) {
+          region_of[mesh_.MidpointOf(corners[j], corners[k])] = mesh_.regions.Of(i);
+        }
+      }
       ++i;
     });
     return region_of;
@@ -334,7 +343,7 @@ class MshFile {
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
         if (entity.elements.empty()) continue;
-        out_ << dimension << ' ' << tag << ' ' << kElementOf[dimension] << ' '
+        out_ << dimension << ' ' << tag << ' ' << kElementOf[mesh_.order() - 1][dimension] << ' '
              << entity.elements.size() << '\n';
         for (const std::uint32_t i : entity.elements) WriteElement(CornersOf(dimension, i));
       }
@@ -345,6 +354,12 @@ class MshFile {
   void WriteElement(const Corners& corners) {
     out_ << ++element_;
     for (const std::uint32_t corner : corners) out_ << ' ' << std::uint64_t{corner} + 1;
+    if (mesh_.order() == 2) {
+      for (const auto& [j, k] : kMidpointsOf[corners.size()]) {
+        const std::uint32_t middle = mesh_.MidpointOf(corners.begin()[j], corners.begin()[k]);
+        out_ << ' ' << std::uint64_t{middle} + 1;
+      }
+    }
     out_ << '\n';
   }
 

@@ -26,6 +26,7 @@ namespace dynmesh::io {
 // other groups' tags are the references of references.h; points, curves and surfaces of features
 // have the same numbers as their group. INVALID_ARGUMENT if there are too many rows; UNAVAILABLE,
 // naming the path, if it cannot be written.
+// A mesh with midpoints (order 2) has elements of order 2.
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
 
 }  // namespace dynmesh::io

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/text.h"
@@ -99,7 +100,10 @@ std::size_t CountConstraints(const IndexedMesh& mesh) {
 
 // Simplices, then subfacets.
 void WriteCells(const IndexedMesh& mesh, FileWriter& out) {
-  constexpr std::uint8_t kVtkOf[] = {0, 0, 3, 5, 10};  // by corners: line, triangle, tetrahedron
+  // By order and corners: line, triangle, tetrahedron.
+  constexpr std::uint8_t kVtkOf[2][5] = {{0, 0, 3, 5, 10}, {0, 0, 21, 22, 24}};
+  const std::vector<std::pair<std::size_t, std::size_t>> midpoints_of[] = {
+      {}, {}, {{0, 1}}, {{0, 1}, {1, 2}, {2, 0}}, {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
   std::vector<std::int64_t> connectivity;
   std::vector<std::int64_t> offsets;
   std::vector<std::uint8_t> types;
@@ -108,8 +112,13 @@ void WriteCells(const IndexedMesh& mesh, FileWriter& out) {
   offsets.reserve(n);
   const auto add = [&](const auto& corners) {
     connectivity.insert(connectivity.end(), corners.begin(), corners.end());
+    if (mesh.order() == 2) {
+      for (const auto& [j, k] : midpoints_of[corners.size()]) {
+        connectivity.push_back(mesh.MidpointOf(corners[j], corners[k]));
+      }
+    }
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-    types.push_back(kVtkOf[corners.size()]);
+    types.push_back(kVtkOf[mesh.order() - 1][corners.size()]);
   };
   ForEachSimplex(mesh, add);
   ForEachConstraint(mesh, [&](const auto& corners, FeatureId, std::size_t) { add(corners); });

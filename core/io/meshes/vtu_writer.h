@@ -10,8 +10,8 @@
 namespace dynmesh::io {
 
 // Triangles followed by the subsegments of features, or in 3D tetrahedra followed by the subfacets.
-// Values are exact: inline base64 of little-endian bytes, compressed by zlib. "Subfacets" below are
-// the subsegments in 2D.
+// A mesh with midpoints (order 2) has quadratic cells. Values are exact: inline base64 of
+// little-endian bytes, compressed by zlib. "Subfacets" below are the subsegments in 2D.
 //   point data  containing_dimension; owner: the feature's id, -1 on the domain box, 0 if none
 //   cell data   quality: circumradius / shortest edge; min_angle: degrees, in 3D dihedral;
 //               exempt: of a simplex over `rho`, 1 if excused by a small input angle, 2 by the

@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/io/common/extension.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/meshes/mesh_companions.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/mesh_notes.h"
+
+namespace dynmesh::io {
+namespace {
+
+constexpr std::size_t kNumbersPerNote = 16;
+
+// The vertices that refinement put on the sides or faces of the box.
+void WriteBoxNotes(const IndexedMesh& mesh, int containing_dimension, std::uint64_t base,
+                   FileWriter& out) {
+  std::vector<std::size_t> listed;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const IndexedMesh::Vertex& v = mesh.vertices[i];
+    if (v.owner == kBoxFeature && v.containing_dimension == containing_dimension) {
+      listed.push_back(i + base);
+    }
+  }
+  for (std::size_t i = 0; i < listed.size(); i += kNumbersPerNote) {
+    const std::string_view note = kBoxNotes[containing_dimension];
+    out << "# dynmesh " << note.substr(0, note.size() - 1);
+    for (std::size_t k = i; k < std::min(i + kNumbersPerNote, listed.size()); ++k) {
+      out << ' ' << listed[k];
+    }
+    out << '\n';
+  }
+}
+
+// A name as the rest of a comment's line.
+std::string OneLine(std::string name) {
+  for (char& c : name) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  return name;
+}
+
+FeatureId VertexMarker(const IndexedMesh::Vertex& v, bool steiner_ids) {
+  const bool is_marked = steiner_ids || v.containing_dimension == 0 || v.owner == kBoxFeature;
+  return is_marked ? v.owner : kNoFeature;
+}
+
+void WriteNodes(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out) {
+  const std::size_t attributes = mesh.labels.attributes;
+  out << mesh.vertices.size() << ' ' << mesh.dimension << ' ' << attributes << " 1\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const IndexedMesh::Vertex& v = mesh.vertices[i];
+    out << i + options.base() << ' ' << v.x << ' ' << v.y << ' ';
+    if (mesh.dimension == 3) out << v.z << ' ';
+    for (std::size_t k = 0; k < attributes; ++k) {
+      out << mesh.labels.vertex_values[i * attributes + k] << ' ';
+    }
+    WriteRowMarker(mesh, mesh.labels.vertex_markers, i, VertexMarker(v, mesh.labels.steiner_ids),
+                   out);
+    out << '\n';
+  }
+  if (mesh.labels.replace_ids) {
+    out << "# dynmesh " << kMarkersNote << '\n';
+  } else {
+    for (int d = 1; d < mesh.dimension; ++d) WriteBoxNotes(mesh, d, options.base(), out);
+  }
+  if (mesh.labels.features != nullptr) {
+    for (const auto& [id, name] : mesh.labels.features->names) {
+      out << "# dynmesh name " << id << ' ' << OneLine(name) << '\n';
+    }
+  }
+  if (options.rho > 0) out << "# dynmesh " << kRhoNote << options.rho << '\n';
+  if (options.min_dihedral > 0) {
+    out << "# dynmesh " << kDihedralNote << options.min_dihedral << '\n';
+  }
+  if (options.is_part) out << "# dynmesh " << kPartNote << '\n';
+  if (!mesh.labels.replace_ids && mesh.order() == 1) {
+    out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
+  }
+}
+
+// Triangle: opposite to corners 0, 1, 2. TetGen's order of edges.
+constexpr std::pair<std::size_t, std::size_t> kEdgesOf3[] = {{1, 2}, {2, 0}, {0, 1}};
+constexpr std::pair<std::size_t, std::size_t> kEdgesOf4[] = {{2, 3}, {0, 3}, {0, 1},
+                                                             {1, 2}, {1, 3}, {0, 2}};
+
+template <std::size_t N>
+void WriteMidpoints(const IndexedMesh& mesh, const std::array<std::uint32_t, N>& corners,
+                    std::uint64_t base, FileWriter& out) {
+  const auto write = [&](const auto& edges) {
+    for (const auto& [j, k] : edges) out << ' ' << mesh.MidpointOf(corners[j], corners[k]) + base;
+  };
+  if constexpr (N == 3) {
+    write(kEdgesOf3);
+  } else {
+    write(kEdgesOf4);
+  }
+}
+
+void WriteSimplices(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+  const std::vector<double>& values = mesh.labels.simplex_values;
+  const bool has_values = mesh.labels.replace_ids && !values.empty();
+  const bool has_regions = !mesh.labels.replace_ids && mesh.regions.count() != 0;
+  const int nodes = (mesh.dimension + 1) * (mesh.order() == 1 ? 2 : mesh.dimension + 2) / 2;
+  out << mesh.simplex_count() << ' ' << nodes << ' ' << (has_regions || has_values ? 1 : 0) << '\n';
+  std::size_t i = 0;
+  ForEachSimplex(mesh, [&](const auto& corners) {
+    out << i + base;
+    for (const std::uint32_t v : corners) out << ' ' << v + base;
+    if (mesh.order() == 2) WriteMidpoints(mesh, corners, base, out);
+    if (has_regions) out << ' ' << mesh.regions.Of(i);
+    if (has_values) out << ' ' << values[i];
+    out << '\n';
+    ++i;
+  });
+  if (!has_regions) return;
+  for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
+    out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
+  }
+}
+
+void WriteFaces(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+  out << mesh.faces.size() << " 1\n";
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    out << i + base;
+    for (const std::uint32_t v : mesh.faces[i].corners) out << ' ' << v + base;
+    out << ' ';
+    WriteRowMarker(mesh, mesh.labels.face_markers, i, mesh.faces[i].owner, out);
+    out << '\n';
+  }
+}
+
+void WriteEdges(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+  out << mesh.edges.size() << " 1\n";
+  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+    const IndexedMesh::Edge& e = mesh.edges[i];
+    out << i + base << ' ' << e.a + base << ' ' << e.b + base << ' ';
+    WriteRowMarker(mesh, mesh.labels.edge_markers, i, e.owner, out);
+    out << '\n';
+  }
+}
+
+}  // namespace
+
+std::string StemOfMeshFiles(const std::string& path) {
+  const std::filesystem::path p(path);
+  const std::string extension = ExtensionOf(path);
+  for (const char* known : {".node", ".ele", ".edge", ".face", ".neigh", ".poly", ".smesh"}) {
+    if (extension == known) return (p.parent_path() / p.stem()).string();
+  }
+  return path;
+}
+
+absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path,
+                            const MeshFileOptions& options) {
+  const std::string stem = StemOfMeshFiles(path);
+  const std::string extension = ExtensionOf(path);
+  std::deque<FileWriter> files;
+  const bool has_constraints = extension == ".poly" || extension == ".smesh";
+  WriteNodes(mesh, options, files.emplace_back(stem + ".node"));
+  // Beside a surface TetGen takes all rows of an .edge for segments.
+  if (mesh.dimension == 2 || !has_constraints) {
+    WriteSimplices(mesh, options.base(), files.emplace_back(stem + ".ele"));
+    WriteEdges(mesh, options.base(), files.emplace_back(stem + ".edge"));
+    if (mesh.dimension == 3) WriteFaces(mesh, options.base(), files.emplace_back(stem + ".face"));
+  }
+  if (has_constraints) {
+    WriteConstraints(mesh, options, extension, files.emplace_back(stem + extension));
+  }
+  if (options.neighbours || extension == ".neigh") {
+    WriteNeighbours(mesh, options.base(), files.emplace_back(stem + ".neigh"));
+  }
+  if (options.voronoi) {
+    FileWriter& nodes = files.emplace_back(stem + ".v.node");
+    WriteVoronoi(mesh, options.base(), nodes, files.emplace_back(stem + ".v.edge"));
+  }
+  for (FileWriter& file : files) {
+    if (auto status = file.Finish(); !status.ok()) return status;
+  }
+  for (FileWriter& file : files) {
+    if (auto status = file.Close(); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace dynmesh::io
