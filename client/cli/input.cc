@@ -8,10 +8,12 @@
 #include <string_view>
 #include <utility>
 
+#include "client/cli/sizes_of_limits.h"
 #include "core/base/rings.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
 #include "core/io/common/extension.h"
+#include "core/io/elements/element_mesh.h"
 #include "core/io/maps/map_files.h"
 #include "core/io/plane/planar_input.h"
 #include "core/io/script/edit_script.h"
@@ -209,6 +211,43 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
   return input;
 }
 
+// The most area or volume of simplices of a mesh as sizes: in 2D polygons, in 3D the inscribed
+// balls. Ids follow the others'.
+void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
+  FeatureId next_id = file.features.size();
+  for (std::size_t i = 0; i < mesh.limits.size(); ++i) {
+    if (!(mesh.limits[i] > 0)) continue;
+    if (mesh.dimension == 2) {
+      const auto& corners = mesh.triangles[i].corners;
+      std::vector<FeatureId> ring;
+      for (const std::uint32_t v : corners) ring.push_back(FeatureId{v} + 1);
+      file.features.push_back(
+          Feature::SizePolygon(++next_id, {std::move(ring)}, TargetOfArea(mesh.limits[i])));
+    } else {
+      const InscribedBall ball = InscribedBallOf(mesh, i);
+      file.features.push_back(
+          Feature::Size(++next_id, ball.centre,
+                        {SizeShape::kDisc, TargetOfVolume(mesh.limits[i]), ball.radius, {}}));
+    }
+    file.lines.push_back(mesh.dimension == 2 ? mesh.triangles[i].line : mesh.tetrahedra[i].line);
+  }
+}
+
+absl::StatusOr<Input> FromElements(const std::string& path, InputFlags flags) {
+  const absl::StatusOr<io::ElementMesh> mesh = io::ReadElements(path);
+  if (!mesh.ok()) return mesh.status();
+  io::FileFeatures file = io::FeaturesOf(
+      *mesh, flags.refine ? io::ElementVertices::kAll : io::ElementVertices::kOfConstraints);
+  if (flags.refine) AddLimits(*mesh, file);
+  if (mesh->dimension == 2) {
+    if (flags.merge_coplanar) return RefuseMerge(path);
+    return FromPlanar(std::move(file), path);
+  }
+  // Faces cut into triangles have angles that are no input of a mesh.
+  flags.merge_coplanar |= flags.refine;
+  return FromSpace(std::move(file), path, flags);
+}
+
 bool IsMap(const std::string& path) {
   const std::string extension = io::ExtensionOf(path);
   return extension == ".geojson" || extension == ".topojson" || extension == ".json";
@@ -216,11 +255,10 @@ bool IsMap(const std::string& path) {
 
 // Extensions of geometry and meshes that cannot be read: not to be taken for edit scripts.
 bool IsOtherGeometry(std::string_view extension) {
-  constexpr std::array<std::string_view, 33> kKinds = {
-      ".3ds",  ".3mf", ".bdf", ".brep", ".cdb", ".cgns", ".dae", ".dxf",  ".e",
-      ".edge", ".ele", ".exo", ".face", ".fbx", ".geo",  ".glb", ".gltf", ".iges",
-      ".igs",  ".inp", ".med", ".mesh", ".msh", ".nas",  ".ply", ".shp",  ".sldprt",
-      ".step", ".stp", ".unv", ".vtk",  ".vtp", ".vtu"};
+  constexpr std::array<std::string_view, 30> kKinds = {
+      ".3ds", ".3mf", ".bdf",  ".brep", ".cdb",    ".cgns", ".dae",  ".dxf",  ".e",   ".edge",
+      ".ele", ".exo", ".face", ".fbx",  ".geo",    ".glb",  ".gltf", ".iges", ".igs", ".inp",
+      ".med", ".nas", ".ply",  ".shp",  ".sldprt", ".step", ".stp",  ".unv",  ".vtk", ".vtp"};
   return std::find(kKinds.begin(), kKinds.end(), extension) != kKinds.end();
 }
 
@@ -262,6 +300,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     return absl::InvalidArgumentError(
         Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
   }
+  if (flags.refine || io::IsElementFile(path)) return FromElements(path, flags);
   using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
   const std::map<std::string, Read> in_space = {
       {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},

@@ -97,7 +97,8 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
       mesh.vertices.size(), coarsest, finest, build_seconds, mesh.hash.ToHex());
 }
 
-int Run(const MeshCommand& command) {
+int Run(MeshCommand command) {
+  command.selection.inside |= command.reading.refine;
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
   if (!input.ok()) return ReportError(input.status());
@@ -174,6 +175,10 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
                                    [command] { return Run(*command); });
   sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
   AddInputFlags(*sub, command->reading);
+  sub->add_flag("-r,--refine", command->reading.refine,
+                "INPUT is a mesh (.node with .ele, .msh, .mesh or .vtu): its vertices become "
+                "points, its constrained edges and faces segments and polygons, largest areas or "
+                "volumes of a .area or .vol sizes; with --inside");
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);

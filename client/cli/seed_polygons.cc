@@ -48,6 +48,8 @@ absl::Status AddSeedPolygons(Input& input) {
     ++next_id;
     const std::string where = WhereOf(input, seeds[i]);
     const std::string start = Concat(where, ": the place of a ", seeds[i].kind);
+    const bool is_guess = seeds[i].row->line == 0;  // a hole that may be none
+    if (is_guess && (faces[i].same_as || faces[i].rings.empty())) continue;
     if (faces[i].on != kNoFeature) {
       return absl::InvalidArgumentError(
           Concat(start, " is on segment ", faces[i].on, ": move it to one side"));

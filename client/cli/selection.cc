@@ -156,7 +156,8 @@ absl::Status Selection::DropChambers(const Mesh& mesh, std::vector<bool>& keep) 
     const std::uint32_t c = places[i].chamber;
     if (c != mesh_data::PlaceInChambers::kNone && !chambers.is_outside[c]) {
       dropped[c] = true;
-    } else if (mesh.dimension == 3) {  // in 2D told of when its face was searched
+    } else if (mesh.dimension == 3 &&
+               input_->holes[i].line != 0) {  // in 2D told of when its face was searched
       PrintWarning(Concat(where, ": the place of a hole is outside everything, and is ignored"));
     }
   }

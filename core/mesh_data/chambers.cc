@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "core/geometry/predicates.h"
-#include "core/geometry/space_predicates.h"
+#include "core/geometry/point.h"
 #include "core/mesh_data/constraints.h"
 #include "core/mesh_data/face_links.h"
+#include "core/mesh_data/point_location.h"
 
 namespace dynmesh::mesh_data {
 namespace {
@@ -123,18 +122,6 @@ class ChamberSearch {
 // Predicates need 0 or magnitudes in their domain; what is in the mesh's box is not too large.
 double InDomain(double value) { return std::abs(value) < 0x1p-200 ? 0 : value; }
 
-bool IsIn(const std::array<Point<2>, 3>& s, const Point<2>& p) {
-  return geometry::Orientation(s[0], s[1], p) >= 0 && geometry::Orientation(s[1], s[2], p) >= 0 &&
-         geometry::Orientation(s[2], s[0], p) >= 0;
-}
-
-bool IsIn(const std::array<Point<3>, 4>& s, const Point<3>& p) {
-  return geometry::Orientation(p, s[1], s[2], s[3]) >= 0 &&
-         geometry::Orientation(s[0], p, s[2], s[3]) >= 0 &&
-         geometry::Orientation(s[0], s[1], p, s[3]) >= 0 &&
-         geometry::Orientation(s[0], s[1], s[2], p) >= 0;
-}
-
 template <int D>
 std::vector<PlaceInChambers> Locate(const Mesh& mesh, const Chambers& chambers,
                                     std::span<const std::array<double, 3>> positions) {
@@ -143,35 +130,24 @@ std::vector<PlaceInChambers> Locate(const Mesh& mesh, const Chambers& chambers,
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = 0; k < D; ++k) points[i].c[k] = InDomain(positions[i][k]);
   }
-  std::vector<std::size_t> by_x(points.size());
-  std::iota(by_x.begin(), by_x.end(), std::size_t{0});
-  std::sort(by_x.begin(), by_x.end(),
-            [&](std::size_t i, std::size_t j) { return points[i] < points[j]; });
   absl::flat_hash_map<VertexId, std::size_t> row_of;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
-  for (std::size_t row = 0; row < mesh.simplex_count(); ++row) {
+  const auto corners_of = [&](std::size_t row) {
     std::array<Point<D>, D + 1> corners;
-    Point<D> lo, hi;
-    lo.c.fill(HUGE_VAL), hi.c.fill(-HUGE_VAL);
     for (std::size_t j = 0; j <= D; ++j) {
       const std::size_t v = row_of.at(mesh.simplices[row * (D + 1) + j]);
-      for (std::size_t k = 0; k < D; ++k) {
-        const double c = corners[j].c[k] = mesh.vertices.coordinates[D * v + k];
-        lo.c[k] = std::min(lo.c[k], c), hi.c[k] = std::max(hi.c[k], c);
-      }
+      for (std::size_t k = 0; k < D; ++k) corners[j].c[k] = mesh.vertices.coordinates[D * v + k];
     }
-    auto it = std::lower_bound(by_x.begin(), by_x.end(), lo.c[0],
-                               [&](std::size_t i, double x) { return points[i].c[0] < x; });
-    for (; it != by_x.end() && points[*it].c[0] <= hi.c[0]; ++it) {
-      const Point<D>& p = points[*it];
-      bool is_near = true;
-      for (std::size_t k = 1; k < D; ++k) is_near &= lo.c[k] <= p.c[k] && p.c[k] <= hi.c[k];
-      if (!is_near || !IsIn(corners, p)) continue;
-      PlaceInChambers& place = places[*it];
-      if (place.chamber == PlaceInChambers::kNone) place.chamber = chambers.of[row];
-      place.is_between |= place.chamber != chambers.of[row];
-    }
-  }
+    return corners;
+  };
+  ForEachContaining<D>(mesh.simplex_count(), corners_of, std::span<const Point<D>>(points),
+                       [&](std::size_t row, std::size_t i) {
+                         PlaceInChambers& place = places[i];
+                         if (place.chamber == PlaceInChambers::kNone) {
+                           place.chamber = chambers.of[row];
+                         }
+                         place.is_between |= place.chamber != chambers.of[row];
+                       });
   return places;
 }
 

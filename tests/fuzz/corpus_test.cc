@@ -23,7 +23,7 @@ struct Target {
 
 constexpr Target kTargets[] = {
     {"edit_script", &FuzzEditScript}, {"planar_input", &FuzzPlanarInput},
-    {"space_input", &FuzzSpaceInput},
+    {"space_input", &FuzzSpaceInput}, {"elements", &FuzzElements},
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif

@@ -22,6 +22,10 @@ std::string FuzzPlanarInput(std::string_view bytes);
 // not depend on their order.
 std::string FuzzSpaceInput(std::string_view bytes);
 
+// A mesh of another program, tried as `.msh`, `.mesh` and `.vtu`. If it parses, it must become
+// features in order, and a mesh to be measured.
+std::string FuzzElements(std::string_view bytes);
+
 // A mesh as `.node`, `.ele`, `.edge` and `.face` files with lines `---` between them. If it parses,
 // conversion, measuring and the verifier must succeed.
 std::string FuzzMeshFiles(std::string_view bytes);

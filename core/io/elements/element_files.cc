@@ -1,0 +1,144 @@
+// Chooses the reader by extension; and the meshes of Triangle and TetGen.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/text.h"
+#include "core/io/common/extension.h"
+#include "core/io/common/triangle_sections.h"
+#include "core/io/elements/element_mesh.h"
+#include "core/io/meshes/mesh_files.h"
+
+namespace dynmesh::io {
+namespace {
+
+using text::Concat;
+
+absl::StatusOr<std::optional<TextReader>> OpenIfThere(const std::string& path) {
+  absl::StatusOr<TextReader> file = TextReader::Open(path);
+  if (file.ok()) return std::optional<TextReader>(*std::move(file));
+  if (absl::IsNotFound(file.status())) return std::optional<TextReader>();
+  return file.status();
+}
+
+std::int64_t MarkerOf(double attribute) {
+  return std::abs(attribute) < 0x1p62 ? static_cast<std::int64_t>(attribute) : 0;
+}
+
+template <int D>
+absl::Status AddSimplices(TextReader& reader, const NodeSection& nodes,
+                          std::vector<Element<D + 1>>& elements) {
+  const absl::StatusOr<SimplexSection<D>> rows = ReadSimplexSection<D>(reader, nodes);
+  if (!rows.ok()) return rows.status();
+  for (std::size_t i = 0; i < rows->corners.size(); ++i) {
+    const std::int64_t marker =
+        rows->attributes.empty() ? 0 : MarkerOf(rows->attributes[i]);  // NaN is none
+    elements.push_back({rows->corners[i], marker, rows->lines[i]});
+  }
+  return ExpectEnd(reader);
+}
+
+// Rows with a marker other than 0; all rows of a .poly.
+template <std::size_t K>
+absl::Status AddRows(TextReader& reader, const char* what, const NodeSection& nodes, bool all,
+                     std::vector<Element<K>>& elements) {
+  const absl::StatusOr<TupleSection<K>> rows = ReadTupleSection<K>(reader, what, nodes);
+  if (!rows.ok()) return rows.status();
+  for (std::size_t i = 0; i < rows->ends.size(); ++i) {
+    if (rows->markers[i] == 0 && !all) continue;
+    elements.push_back(
+        {rows->ends[i], static_cast<std::int64_t>(rows->markers[i]), rows->lines[i]});
+  }
+  return absl::OkStatus();
+}
+
+// "count", then "number limit" for each simplex.
+absl::Status ReadLimits(TextReader& reader, std::size_t simplices, std::vector<double>& limits) {
+  if (!reader.Next()) return reader.Error("the file has no header");
+  const absl::StatusOr<std::uint64_t> count = reader.Uint64(0, "the number of limits");
+  if (!count.ok()) return count.status();
+  if (*count != simplices) {
+    return reader.Error(Concat("limits of ", *count, " elements, the .ele has ", simplices));
+  }
+  for (std::size_t i = 0; i < simplices; ++i) {
+    if (!reader.Next()) return reader.Error(Concat("the file ends after ", i, " limits"));
+    const absl::StatusOr<double> limit = reader.Double(1, "a limit");
+    if (!limit.ok()) return limit.status();
+    limits.push_back(*limit);
+  }
+  return ExpectEnd(reader);
+}
+
+absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path) {
+  const std::string stem = StemOfMeshFiles(path);
+  absl::StatusOr<TextReader> nodes = TextReader::Open(stem + ".node");
+  if (!nodes.ok()) return nodes.status();
+  absl::StatusOr<NodeSection> section = ReadNodeSection(*nodes, kStatedDimension);
+  if (!section.ok()) return section.status();
+  if (auto s = ExpectEnd(*nodes); !s.ok()) return s;
+  absl::StatusOr<TextReader> simplices = TextReader::Open(stem + ".ele");
+  if (!simplices.ok()) return simplices.status();
+  ElementMesh mesh;
+  mesh.file = stem + ".node";
+  mesh.dimension = section->dimension;
+  mesh.positions = section->positions;
+  mesh.lines = section->lines;
+  const bool in_space = mesh.dimension == 3;
+  if (auto s = in_space ? AddSimplices<3>(*simplices, *section, mesh.tetrahedra)
+                        : AddSimplices<2>(*simplices, *section, mesh.triangles);
+      !s.ok()) {
+    return s;
+  }
+  // A .poly has the segments; TetGen's are in .edge, its faces in .face.
+  absl::StatusOr<std::optional<TextReader>> poly = OpenIfThere(in_space ? "" : stem + ".poly");
+  if (!poly.ok()) return poly.status();
+  if (*poly) {
+    const absl::StatusOr<NodeSection> own = ReadNodeSection(**poly, 2);
+    if (!own.ok()) return own.status();
+    if (auto s = AddRows<2>(**poly, "segment", *section, true, mesh.segments); !s.ok()) return s;
+  } else {
+    absl::StatusOr<std::optional<TextReader>> edges = OpenIfThere(stem + ".edge");
+    if (!edges.ok()) return edges.status();
+    if (*edges) {
+      if (auto s = AddRows<2>(**edges, "edge", *section, false, mesh.segments); !s.ok()) return s;
+    }
+  }
+  if (in_space) {
+    absl::StatusOr<std::optional<TextReader>> faces = OpenIfThere(stem + ".face");
+    if (!faces.ok()) return faces.status();
+    if (*faces) {
+      if (auto s = AddRows<3>(**faces, "face", *section, false, mesh.triangles); !s.ok()) return s;
+    }
+  }
+  absl::StatusOr<std::optional<TextReader>> limits =
+      OpenIfThere(stem + (in_space ? ".vol" : ".area"));
+  if (!limits.ok()) return limits.status();
+  if (*limits) {
+    const std::size_t count = in_space ? mesh.tetrahedra.size() : mesh.triangles.size();
+    if (auto s = ReadLimits(**limits, count, mesh.limits); !s.ok()) return s;
+  }
+  return mesh;
+}
+
+}  // namespace
+
+bool IsElementFile(const std::string& path) {
+  const std::string extension = ExtensionOf(path);
+  return extension == ".msh" || extension == ".mesh" || extension == ".vtu";
+}
+
+absl::StatusOr<ElementMesh> ReadElements(const std::string& path) {
+  if (!IsElementFile(path)) return ReadTriangleFiles(path);
+  const std::string extension = ExtensionOf(path);
+  if (extension == ".vtu") {
+    const absl::StatusOr<std::string> text = ReadWholeFile(path);
+    if (!text.ok()) return text.status();
+    return ParseVtu(path, *text);
+  }
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  return extension == ".msh" ? ParseMsh(*std::move(reader)) : ParseMedit(*std::move(reader));
+}
+
+}  // namespace dynmesh::io

@@ -1,0 +1,159 @@
+// Readers of .msh, .mesh, .vtu and the files of Triangle and TetGen.
+#include <string>
+#include <vector>
+
+#include "core/io/elements/element_mesh.h"
+#include "core/io/meshes/medit_writer.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/msh_writer.h"
+#include "core/io/meshes/vtu_writer.h"
+#include "gtest/gtest.h"
+#include "tests/core/io/meshes/good_space_mesh.h"
+#include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::io {
+namespace {
+
+using test::TempFolder;
+
+// Two triangles on a square; the lower side is line 7, the upper triangle has 2.
+constexpr char kMsh2[] =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"Inlet of gas\"\n2 2 \"Body\"\n"
+    "$EndPhysicalNames\n$Nodes\n4\n10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1 0\n$EndNodes\n"
+    "$Elements\n3\n1 1 2 7 1 10 20\n2 2 2 1 1 10 20 30\n3 2 2 2 2 10 30 40\n$EndElements\n";
+constexpr char kMsh4[] =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"Inlet of gas\"\n2 2 \"Body\"\n"
+    "$EndPhysicalNames\n$Entities\n0 1 2 0\n5 0 0 0 1 0 0 1 -7 0\n1 0 0 0 1 1 0 1 1 1 5\n"
+    "2 0 0 0 1 1 0 2 2 9 0\n$EndEntities\n$Unknown\n1 2 3\n$EndUnknown\n$Nodes\n2 4 10 40\n"
+    "1 5 1 2\n10\n20\n0 0 0 0\n1 0 0 1\n2 1 0 2\n30\n40\n1 1 0\n0 1 0\n$EndNodes\n"
+    "$Elements\n3 3 1 3\n1 5 1 1\n1 10 20\n2 1 2 1\n2 10 20 30\n2 2 2 1\n3 10 30 40\n"
+    "$EndElements\n";
+constexpr char kMedit[] =
+    "MeshVersionFormatted 2 Dimension\n2\nVertices 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+    "Edges 1 1 2 7\nCorners 1\n4\nTriangles\n2\n1 2 3 1\n1 3 4 2\nEnd\nwhatever\n";
+constexpr char kVtu[] =
+    "<?xml version=\"1.0\"?>\n<!-- < > -->\n<VTKFile type='UnstructuredGrid' version=\"0.1\">\n"
+    "<UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"3\">\n<Points>"
+    "<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n"
+    "0 0 0 1 0 0\n1 1 0 0 1 0</DataArray></Points>\n<Cells>"
+    "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 0 1 2 0 2 3</DataArray>"
+    "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">2 5 8</DataArray>"
+    "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">3 5 5</DataArray></Cells>\n"
+    "<CellData><DataArray type=\"Int64\" Name=\"marker\" format=\"ascii\">7 1 2</DataArray>"
+    "</CellData></Piece></UnstructuredGrid></VTKFile>\n";
+
+absl::StatusOr<ElementMesh> Parse(const std::string& kind, const std::string& text) {
+  if (kind == "vtu") return ParseVtu("a.vtu", text);
+  return kind == "msh" ? ParseMsh(TextReader("a.msh", text))
+                       : ParseMedit(TextReader("a.mesh", text));
+}
+
+TEST(ElementFiles, OfAllKindsSayTheSame) {
+  const std::pair<std::string, std::string> files[] = {
+      {"msh", kMsh2}, {"msh", kMsh4}, {"mesh", kMedit}, {"vtu", kVtu}};
+  for (const auto& [kind, text] : files) {
+    const auto mesh = Parse(kind, text);
+    ASSERT_TRUE(mesh.ok()) << kind << mesh.status();
+    EXPECT_EQ(mesh->dimension, 2);
+    EXPECT_EQ(mesh->positions,
+              (std::vector<std::array<double, 3>>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    ASSERT_EQ(mesh->segments.size(), 1U);
+    EXPECT_EQ(mesh->segments[0].corners, (std::array<std::uint32_t, 2>{0, 1}));
+    EXPECT_EQ(mesh->segments[0].marker, 7);
+    ASSERT_EQ(mesh->triangles.size(), 2U);
+    EXPECT_EQ(mesh->triangles[1].corners, (std::array<std::uint32_t, 3>{0, 2, 3}));
+    EXPECT_EQ(mesh->triangles[1].marker, 2);
+    if (kind == "msh") {
+      EXPECT_EQ(mesh->names.at({1, 7}), "Inlet of gas");
+    }
+  }
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(ElementFiles, SayWhereAndWhatIsWrong) {
+  const struct {
+    std::string kind, text;
+    int line;
+    std::string message;
+  } bad[] = {
+      {"msh", "", 1, "no $Elements"},
+      {"msh", "$Nodes\n", 1, "must begin with $MeshFormat"},
+      {"msh", Replaced(kMsh2, "2.2", "3.0"), 2, "version 3"},
+      {"msh", Replaced(kMsh2, "2.2 0", "2.2 1"), 2, "binary"},
+      {"msh", Replaced(kMsh2, "\"Body\"", "Body"), 7, "in quotes"},
+      {"msh", Replaced(kMsh2, "\n20 1", "\n10 1"), 12, "vertex 10 stands twice"},
+      {"msh", Replaced(kMsh2, "1 1 2 7 1 10 20", "1 3 2 7 1 10 20"), 18, "type 3 cannot be read"},
+      {"msh", Replaced(kMsh2, "7 1 10 20", "7 1 10 50"), 18, "vertex 50 does not exist"},
+      {"msh", Replaced(kMsh2, "7 1 10 20", "7 1 10 10"), 18, "vertex 10 twice"},
+      {"msh", Replaced(kMsh2, "$Nodes\n4", "$Nodes\n5"), 15, "a vertex's number"},
+      {"msh", Replaced(kMsh2, "$Nodes\n4", "$Nodes\n4000000"), 10, "too short for 4000000"},
+      {"msh", Replaced(kMsh2, "$EndNodes\n", ""), 15, "expected $EndNodes"},
+      {"msh", Replaced(kMsh2, "30 1 1 0", "30 1 nan 0"), 13, "not a finite number"},
+      {"msh", Replaced(kMsh4, "1 10 20", "1 10"), 35, "vertex 2 does not exist"},
+      {"mesh", "", 1, "MeshVersionFormatted"},
+      {"mesh", Replaced(kMedit, "Dimension\n2", "Dimension\n4"), 2, "2 or 3"},
+      {"mesh", Replaced(kMedit, "Edges", "Quadrilaterals"), 8, "section 'Quadrilaterals'"},
+      {"mesh", Replaced(kMedit, "1 1 2 7", "1 1 5 7"), 8, "vertex 5 does not exist"},
+      {"mesh", Replaced(kMedit, " Dimension\n2", ""), 2, "Dimension must stand before"},
+      {"vtu", "", 1, "no unstructured grid"},
+      {"vtu", Replaced(kVtu, "'UnstructuredGrid'", "'PolyData'"), 3, "'PolyData'"},
+      {"vtu", Replaced(kVtu, "version=\"0.1\"", "compressor=\"vtkLZ4\""), 3, "'vtkLZ4'"},
+      {"vtu", Replaced(kVtu, "NumberOfCells=\"3\"", "NumberOfCells=\"x\""), 4, "NumberOfPoints"},
+      {"vtu", Replaced(kVtu, "1 1 0 0 1 0", "1 1 0 0 1"), 5, "not 3 for 4 points"},
+      {"vtu", Replaced(kVtu, "2 5 8", "2 5 9"), 8, "cell 2 has not the number"},
+      {"vtu", Replaced(kVtu, "3 5 5", "3 5 9"), 8, "cell 2 is of type 9"},
+      {"vtu", Replaced(kVtu, "0 1 0 1 2 0 2 3", "0 1 0 1 2 0 2 4"), 8, "vertex 4 does not exist"},
+      {"vtu", Replaced(kVtu, "0 1 0 1 2", "0 1 0 1.5 2"), 8, "no value of type Int32"},
+      {"vtu", Replaced(kVtu, "format=\"ascii\">2 5 8", "format=\"binary\">????"), 8, "no base64"},
+      {"vtu", Replaced(kVtu, "</VTKFile>", "<VTKFile"), 9, "without an end"},
+  };
+  for (const auto& [kind, text, line, message] : bad) {
+    const auto mesh = Parse(kind, text);
+    ASSERT_FALSE(mesh.ok()) << kind << message;
+    EXPECT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument);
+    const std::string said(mesh.status().message());
+    EXPECT_NE(said.find(message), std::string::npos) << said;
+    EXPECT_TRUE(said.starts_with("a." + kind + ":" + std::to_string(line) + ": ")) << said;
+  }
+}
+
+// What our writers write is read as it was, in all formats.
+TEST(ElementFiles, OfOursReadBack) {
+  for (const int dimension : {2, 3}) {
+    const Mesh whole =
+        dimension == 2 ? testing::SampleMesh() : testing::MakeGoodSpaceMesh(3, 30).mesh;
+    const IndexedMesh mesh = IndexMesh(whole).value();
+    const TempFolder folder;
+    ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
+    ASSERT_TRUE(WriteMedit(mesh, folder.Path("m.mesh")).ok());
+    ASSERT_TRUE(WriteVtu(mesh, 2, folder.Path("m.vtu")).ok());
+    ASSERT_TRUE(WriteMeshFiles(mesh, folder.Path("m.node")).ok());
+    for (const char* name : {"m.msh", "m.mesh", "m.vtu", "m.node"}) {
+      const auto read = ReadElements(folder.Path(name));
+      ASSERT_TRUE(read.ok()) << read.status();
+      ASSERT_EQ(read->dimension, dimension);
+      EXPECT_EQ(ToMesh(ToIndexed(*read)).simplices.size(), whole.simplices.size());
+      // By coordinates: a .msh has its vertices in another order.
+      const auto simplices_of = [](const IndexedMesh& m) {
+        std::vector<std::vector<std::array<double, 3>>> rows;
+        ForEachSimplex(m, [&](const auto& corners) {
+          auto& row = rows.emplace_back();
+          for (const std::uint32_t v : corners) row.push_back(m.vertices[v].position());
+          std::ranges::sort(row);
+        });
+        std::ranges::sort(rows);
+        return rows;
+      };
+      EXPECT_EQ(simplices_of(ToIndexed(*read)), simplices_of(mesh)) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::io
