@@ -11,6 +11,7 @@
 #include "client/verify/verify_quadtree.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
+#include "core/io/elements/element_mesh.h"
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/quadtrees/leaf_list.h"
 
@@ -24,8 +25,7 @@ absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
     return absl::InvalidArgumentError(text::Concat("--svg ", flags.svg, ": must end in .svg"));
   }
   const std::string extension = io::ExtensionOf(path);
-  for (const char* other :
-       {".poly", ".smesh", ".off", ".stl", ".obj", ".vtu", ".msh", ".mesh", ".svg"}) {
+  for (const char* other : {".poly", ".smesh", ".off", ".stl", ".obj", ".svg"}) {
     if (extension == other) {
       return absl::InvalidArgumentError(text::Concat(
           path, ": no mesh that can be read: give the .node file that `dynmesh mesh -o` writes"));
@@ -41,6 +41,8 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
       .add_option("--svg", flags.svg,
                   "Of a file: draw histograms of its angles, in 3D the dihedral ones")
       ->type_name("OUT.svg");
+  command.add_flag("--histogram", flags.histogram,
+                   "Of a file: print how many angles there are of each degree");
   command.add_flag("--log", flags.log_scale, "Bars of the histograms by logarithm");
   command
       .add_option("--width", flags.width,
@@ -48,13 +50,15 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
       ->type_name("PX")
       ->check(CLI::Range(200.0, 1e5));
   command
-      .add_option("--rho", flags.rho,
-                  "Of a file: the quality it is judged by (default: sqrt 2, in 3D 2)")
+      .add_option(
+          "--rho", flags.rho,
+          "Of a file: the quality it is judged by (default: what the file says, else sqrt 2, in 3D "
+          "2)")
       ->type_name("R");
   command
       .add_option("--min-dihedral", flags.min_dihedral,
                   "Of a 3D file: count the tetrahedra with a dihedral angle below this, 0 to "
-                  "20 degrees (default: 0, none)")
+                  "20 degrees (default: what the file says, else 0, none)")
       ->type_name("DEGREES");
   command
       .add_option("--lfs", flags.lfs,
@@ -97,14 +101,23 @@ int RunLeafStats(const std::string& path, const FileStatsFlags& flags, bool json
 int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json) {
   if (io::ExtensionOf(path) == ".csv") return RunLeafStats(path, flags, json);
   if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
-  const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
+  absl::StatusOr<io::MeshFiles> files = io::MeshFiles();
+  if (io::IsElementFile(path)) {
+    const absl::StatusOr<io::ElementMesh> elements = io::ReadElements(path);
+    if (!elements.ok()) return ReportError(elements.status());
+    files->mesh = io::ToIndexed(*elements);
+  } else {
+    files = io::ReadMeshFiles(path);
+  }
   if (!files.ok()) return ReportError(files.status());
   const int dimension = files->mesh.dimension;
   if (auto status = CheckMinDihedralFlag(flags.min_dihedral, path, dimension); !status.ok()) {
     return ReportError(status);
   }
   MeshStatistics statistics = ComputeStatistics(
-      files->mesh, flags.rho.value_or(DefaultQuality(dimension)), flags.min_dihedral.value_or(0));
+      files->mesh, flags.rho.value_or(files->rho.value_or(DefaultQuality(dimension))),
+      flags.min_dihedral.value_or(dimension == 3 ? files->min_dihedral.value_or(0) : 0));
+  statistics.has_histogram = flags.histogram;
   statistics.names = files->names;
   if (!flags.svg.empty()) {
     io::HistogramOptions options;

@@ -13,7 +13,8 @@ namespace dynmesh::cli {
 struct FileStatsFlags {
   std::optional<double> rho, min_dihedral;
   std::string svg;
-  std::string lfs;  // the mesh's input; empty: not given
+  bool histogram = false;  // print the distribution of angles
+  std::string lfs;         // the mesh's input; empty: not given
   bool log_scale = false;
   double width = 1000;
 };

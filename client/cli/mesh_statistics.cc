@@ -176,8 +176,10 @@ std::string StatisticsText(const MeshStatistics& s) {
     }
   }
   text += WorstText(s);
-  absl::StrAppendFormat(&text, "\n%7s  %12s  %12s\n", "degrees", "least angles", "all angles");
-  for (std::size_t i = 0; i < s.angles.size(); ++i) {
+  if (s.has_histogram) {
+    absl::StrAppendFormat(&text, "\n%7s  %12s  %12s\n", "degrees", "least angles", "all angles");
+  }
+  for (std::size_t i = 0; i < s.angles.size() && s.has_histogram; ++i) {
     const std::uint64_t least = i < s.least_angles.size() ? s.least_angles[i] : 0;
     if (s.angles[i] == 0 && least == 0) continue;
     absl::StrAppendFormat(&text, "%3d-%-3d  %12d  %12d\n", i, i + 1, least, s.angles[i]);

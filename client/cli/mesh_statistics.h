@@ -46,6 +46,7 @@ struct MeshStatistics {
   std::vector<std::uint64_t> angles;         // three per triangle, six per tetrahedron; 180 entries
   std::vector<RegionStatistics> regions;     // by number; no polygon first
   std::map<FeatureId, std::string> names;    // of features
+  bool has_histogram = false;                // in the text; JSON has it always
   std::optional<SizeConformity> conformity;  // where the input is known
 };
 

@@ -14,6 +14,7 @@
 #include "client/verify/verify.h"
 #include "client/verify/verify_quadtree.h"
 #include "core/io/common/extension.h"
+#include "core/io/elements/element_mesh.h"
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/quadtrees/leaf_list.h"
 #include "dynmesh/options.h"
@@ -27,6 +28,8 @@ struct VerifyCommand {
   InputFlags reading;
   std::optional<double> rho, min_dihedral;
   bool lfs = false;
+  bool part = false;
+  bool foreign = false;
   bool json = false;
 };
 
@@ -76,6 +79,7 @@ std::string FormatJson(const VerifyReport& report, double rho, std::optional<dou
   if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
   if (min_dihedral) object.Add("below_dihedral", report.below_dihedral);
   if (conformity) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
+  if (report.not_delaunay != 0) object.Add("not_delaunay", report.not_delaunay);
   object.AddText("hash", report.hash.ToHex());
   AddChecks(report.checks, object);
   return object.ToLine();
@@ -97,6 +101,9 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
                             *min_dihedral, report.below_dihedral);
   }
   if (conformity) text += ConformityText(*conformity);
+  if (report.not_delaunay != 0) {
+    text += absl::StrFormat("not Delaunay at %d sides\n", report.not_delaunay);
+  }
   return text + ChecksText(report.checks);
 }
 
@@ -130,13 +137,42 @@ int RunQuadtree(const VerifyCommand& command) {
   return report.Passed() ? kExitDone : kExitFailed;
 }
 
+struct JudgedMesh : io::MeshFiles {
+  MeshScope scope = MeshScope::kWhole;
+};
+
+// A file that records no hash is another mesher's, unless its input's markers are the reason.
+absl::StatusOr<JudgedMesh> ReadJudgedMesh(const VerifyCommand& command) {
+  JudgedMesh mesh;
+  if (io::IsElementFile(command.mesh)) {
+    const absl::StatusOr<io::ElementMesh> elements = io::ReadElements(command.mesh);
+    if (!elements.ok()) return elements.status();
+    mesh.mesh = io::ToIndexed(*elements);
+    mesh.scope = MeshScope::kForeign;
+    return mesh;
+  }
+  absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(command.mesh);
+  if (!files.ok()) return files.status();
+  const bool is_ours = files->recorded_hash.has_value() || files->has_input_markers;
+  if (command.foreign || (!is_ours && !command.part)) {
+    const absl::StatusOr<io::ElementMesh> elements = io::ReadElements(command.mesh);
+    if (!elements.ok()) return elements.status();
+    mesh.mesh = io::ToIndexed(*elements);
+    mesh.scope = MeshScope::kForeign;
+    return mesh;
+  }
+  static_cast<io::MeshFiles&>(mesh) = *std::move(files);
+  if (command.part || mesh.is_part || mesh.has_input_markers) mesh.scope = MeshScope::kPart;
+  return mesh;
+}
+
 int Run(const VerifyCommand& command) {
   if (io::ExtensionOf(command.mesh) == ".csv") return RunQuadtree(command);
   if (auto status = CheckRhoFlag(command.rho); !status.ok()) return ReportError(status);
   if (auto status = CheckMinDihedralFlag(command.min_dihedral); !status.ok()) {
     return ReportError(status);
   }
-  const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(command.mesh);
+  const absl::StatusOr<JudgedMesh> files = ReadJudgedMesh(command);
   if (!files.ok()) return ReportError(files.status());
   if (auto status = CheckMinDihedralFlag(command.min_dihedral, command.mesh, files->mesh.dimension);
       !status.ok()) {
@@ -150,9 +186,11 @@ int Run(const VerifyCommand& command) {
     input = *std::move(loaded);
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
-  const double rho = command.rho.value_or(DefaultQuality(files->mesh.dimension));
-  const VerifyReport report = VerifyMesh(
-      *files, rho, command.input.empty() ? nullptr : &input.features, command.min_dihedral);
+  const double rho =
+      command.rho.value_or(files->rho.value_or(DefaultQuality(files->mesh.dimension)));
+  const VerifyReport report =
+      VerifyMesh(*files, rho, command.input.empty() ? nullptr : &input.features,
+                 command.min_dihedral, files->scope, command.rho.has_value());
   std::optional<SizeConformity> conformity;
   if (command.lfs) conformity = MeasureConformity(files->mesh, input.features);
   if (!PrintOut(command.json ? FormatJson(report, rho, command.min_dihedral, conformity)
@@ -172,8 +210,15 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                  [command] { return Run(*command); });
   sub->add_option(
          "MESH", command->mesh,
-         "A mesh as .node, .ele and .edge, in 3D with .face; or the leaves of a quadtree as .csv")
+         "A mesh as .node, .ele and .edge, in 3D with .face; .msh, .mesh or .vtu; or the leaves of "
+         "a quadtree as .csv")
       ->required();
+  sub->add_flag("--part", command->part,
+                "The mesh does not fill a box (default: what its comments say)");
+  sub->add_flag(
+      "--foreign", command->foreign,
+      "The mesh is another mesher's: it must be a mesh, and good enough if --rho is given "
+      "(default: if it records no hash, and of .msh, .mesh and .vtu)");
   CLI::Option* const input =
       sub->add_option("--input", command->input,
                       std::string("What it was made of: ") + kSpaceInputKinds)
@@ -183,10 +228,11 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                 "feature size, the radius of the least ball that meets two disjoint features")
       ->needs(input);
   AddInputFlags(*sub, command->reading);
-  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, in 3D 2)")
+  sub->add_option("--rho", command->rho,
+                  "The quality asked for (default: what the file says, else sqrt 2, in 3D 2)")
       ->type_name("R");
   sub->add_option("--min-dihedral", command->min_dihedral,
-                  "Of space: no dihedral angle may be below this, 0 to 20 degrees; a mesh made "
+                  "In 3D: no dihedral angle may be below this, 0 to 20 degrees; a mesh made "
                   "with --min-dihedral may have a few (default: not judged)")
       ->type_name("DEGREES");
   sub->add_flag("--json", command->json, "Print one JSON object");

@@ -88,7 +88,8 @@ bool RunsAlong(const Rectangle& r, const io::IndexedMesh::Vertex& p,
 
 }  // namespace
 
-VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides) {
+VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
+                          bool is_whole) {
   Findings findings("manifold");
   std::uint64_t edges = 0;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -105,6 +106,7 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& 
       findings.Add(EdgeName(side->a, side->b) + " has two triangles on one side");
     }
   });
+  if (!is_whole) return findings.Take();
   CheckFans(mesh, sides, findings);
   CheckConnected(mesh, sides, findings);
   const std::uint64_t v = mesh.vertices.size();
@@ -153,7 +155,8 @@ std::vector<MeshEdge> EdgesOf(const std::vector<Side>& sides) {
   return edges;
 }
 
-VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges) {
+VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges,
+                       bool is_whole) {
   Findings findings("edges");
   const io::IndexedMesh& mesh = files.mesh;
   if (!files.has_edges) {
@@ -189,7 +192,7 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& 
     }
     const bool marked = listed[row++].owner == kBoxFeature;
     // In 3D the border is marked on its faces.
-    if (border && !marked && !in_space) {
+    if (border && !marked && !in_space && is_whole) {
       findings.Add(EdgeName(a, b) + " is on the border without the marker -1");
     } else if (marked && !border) {
       findings.Add(EdgeName(a, b) + " is inside and has the marker -1");
@@ -198,7 +201,7 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& 
   for (; row < listed.size(); ++row) {
     findings.Add(EdgeName(listed[row].a, listed[row].b) + none);
   }
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+  for (std::uint32_t v = 0; v < mesh.vertices.size() && is_whole; ++v) {
     const bool marked = mesh.vertices[v].owner == kBoxFeature;
     if (on_border[v] != marked) {
       findings.Add(VertexName(v) + (marked ? " is inside and has the marker -1"

@@ -1,7 +1,9 @@
 #include "client/verify/verify.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -112,32 +114,86 @@ bool VerifyReport::Passed() const {
 
 namespace {
 
-void CheckPlane(const io::MeshFiles& files, double rho, VerifyReport& report) {
+void CheckPlane(const io::MeshFiles& files, double rho, MeshScope scope, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
   const std::vector<Side> sides = CollectSides(mesh);
-  report.checks.push_back(CheckManifold(mesh, sides));
-  report.checks.push_back(CheckBox(mesh, sides));
+  const bool is_whole = scope == MeshScope::kWhole;
+  report.checks.push_back(CheckManifold(mesh, sides, is_whole));
+  report.checks.push_back(is_whole ? CheckBox(mesh, sides) : CheckOverlap(mesh, sides));
   report.checks.push_back(CheckDelaunay(mesh, sides));
-  report.checks.push_back(CheckEdges(files, EdgesOf(sides)));
+  if (scope != MeshScope::kForeign) {
+    report.checks.push_back(CheckEdges(files, EdgesOf(sides), is_whole));
+  }
   report.checks.push_back(CheckQuality(mesh, rho, report));
 }
 
 void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, double rho,
-                std::optional<double> min_dihedral, VerifyReport& report) {
+                MeshScope scope, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
+  const bool is_whole = scope == MeshScope::kWhole;
   report.checks.push_back(CheckManifold(mesh, faces));
-  report.checks.push_back(CheckBox(mesh, faces));
+  report.checks.push_back(is_whole ? CheckBox(mesh, faces) : CheckOverlap(mesh, faces));
   report.checks.push_back(CheckDelaunay(mesh, faces));
-  report.checks.push_back(CheckEdges(files, EdgesOf(mesh, faces)));
-  report.checks.push_back(CheckFaces(files, faces));
+  if (scope != MeshScope::kForeign) {
+    report.checks.push_back(CheckEdges(files, EdgesOf(mesh, faces), is_whole));
+    report.checks.push_back(CheckFaces(files, faces));
+  }
   report.checks.push_back(CheckSpaceQuality(mesh, rho, report));
-  if (min_dihedral) report.checks.push_back(CheckDihedral(mesh, *min_dihedral, report));
+}
+
+// Of another mesher nothing is promised but a mesh: what it is else is told.
+void ForgiveForeign(bool judges_rho, VerifyReport& report) {
+  std::erase_if(report.checks, [&](const VerifyCheck& check) {
+    if (check.name == "delaunay") report.not_delaunay = check.failures;
+    return check.name == "delaunay" || (check.name == "quality" && !judges_rho);
+  });
+}
+
+// Of a part: its points lie where the input has them.
+VerifyCheck CheckPoints(const io::IndexedMesh& mesh, const std::vector<Feature>& features) {
+  Findings findings("input");
+  std::map<FeatureId, const Feature*> points;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) points[f.id] = &f;
+  }
+  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    const io::IndexedMesh::Vertex& v = mesh.vertices[i];
+    if (v.containing_dimension != 0 || v.owner == kBoxFeature) continue;
+    const auto point = points.find(v.owner);
+    if (point == points.end()) {
+      findings.Add(Concat(VertexName(i), " has the marker ", v.owner, ", which is no point"));
+    } else if (std::array<double, 3> at = point->second->position;
+               at[0] != v.x || at[1] != v.y || (mesh.dimension == 3 && at[2] != v.z)) {
+      findings.Add(Concat(VertexName(i), " is not at point ", v.owner));
+    }
+  }
+  return findings.Take();
+}
+
+void CheckFeatures(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
+                   const std::vector<Feature>& features, MeshScope scope, VerifyReport& report) {
+  const bool is_whole = scope == MeshScope::kWhole;
+  const bool in_space = mesh.dimension == 3;
+  Chains chains;
+  report.checks.push_back(is_whole ? CheckInput(mesh, features, &chains)
+                                   : CheckPoints(mesh, features));
+  const auto is_size = [](const Feature& f) { return f.kind == FeatureKind::kSize; };
+  if (std::ranges::any_of(features, is_size)) {
+    report.checks.push_back(CheckSizes(mesh, features));
+  }
+  if (!in_space) {
+    report.checks.push_back(CheckRegions(mesh, features));
+  } else if (is_whole) {
+    report.checks.push_back(CheckFacets(mesh, features, chains));
+    report.checks.push_back(CheckRegions(mesh, faces, features));
+  }
 }
 
 }  // namespace
 
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
-                        const std::vector<Feature>* features, std::optional<double> min_dihedral) {
+                        const std::vector<Feature>* features, std::optional<double> min_dihedral,
+                        MeshScope scope, bool judges_rho) {
   const io::IndexedMesh& mesh = files.mesh;
   const bool in_space = mesh.dimension == 3;
   VerifyReport report;
@@ -153,25 +209,17 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   report.checks.push_back(CheckOrientation(mesh));
   const std::vector<Face> faces = in_space ? CollectFaces(mesh) : std::vector<Face>();
   if (in_space) {
-    CheckSpace(files, faces, rho, min_dihedral, report);
+    CheckSpace(files, faces, rho, scope, report);
+    if (min_dihedral) report.checks.push_back(CheckDihedral(mesh, *min_dihedral, report));
   } else {
-    CheckPlane(files, rho, report);
+    CheckPlane(files, rho, scope, report);
+  }
+  if (scope == MeshScope::kForeign) {
+    ForgiveForeign(judges_rho, report);
+    return report;
   }
   if (files.recorded_hash) report.checks.push_back(CheckHash(files, report.hash));
-  if (features != nullptr) {
-    Chains chains;
-    report.checks.push_back(CheckInput(mesh, *features, &chains));
-    const auto is_size = [](const Feature& f) { return f.kind == FeatureKind::kSize; };
-    if (std::ranges::any_of(*features, is_size)) {
-      report.checks.push_back(CheckSizes(mesh, *features));
-    }
-    if (in_space) {
-      report.checks.push_back(CheckFacets(mesh, *features, chains));
-      report.checks.push_back(CheckRegions(mesh, faces, *features));
-    } else {
-      report.checks.push_back(CheckRegions(mesh, *features));
-    }
-  }
+  if (features != nullptr) CheckFeatures(mesh, faces, *features, scope, report);
   return report;
 }
 

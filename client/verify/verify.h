@@ -40,6 +40,13 @@
 //                flood fill across all faces that are not subfacets
 //   dihedral     (if a bound is given) no smaller dihedral angle, exactly if close to the bound;
 //                without exemptions for small input angles
+// A part of a mesh (MeshScope::kPart) has no box and need not be a disc: instead of box and the
+// sum of manifold there is
+//   overlap      no vertex lies in a simplex that does not have it, and no two sides of the border
+//                cross: so no place is covered twice
+// and of the input only the positions of points are checked, sizes and, in 2D, regions. A mesh of
+// another mesher (kForeign) has vertices, orientation, manifold, overlap and, if a rho is given,
+// quality. What is not Delaunay is counted only.
 #ifndef DYNMESH_CLIENT_VERIFY_VERIFY_H_
 #define DYNMESH_CLIENT_VERIFY_VERIFY_H_
 
@@ -53,6 +60,8 @@
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::cli {
+
+enum class MeshScope : std::uint8_t { kWhole, kPart, kForeign };
 
 struct VerifyCheck {
   std::string name;
@@ -74,16 +83,19 @@ struct VerifyReport {
   std::uint64_t exempt = 0;           // of the triangles over rho
   std::uint64_t exempt_by_guard = 0;  // of the exempt: repairing them would split a subsegment
   std::uint64_t below_dihedral = 0;   // in 3D, tetrahedra below the given bound
+  std::uint64_t not_delaunay = 0;     // sides, of a foreign mesh
   MeshHash hash;
 
   bool Passed() const;
 };
 
-// `features`: the mesh's input; null: unknown. `min_dihedral`: in 3D, the least dihedral angle in
-// degrees, 0 to 20; none: no such check. O(n lg n).
+// `rho` is measured against; of a foreign mesh it is judged only if `judges_rho`. `features`: the
+// mesh's input; null: unknown. `min_dihedral`: in 3D, the least dihedral angle in degrees, 0 to 20;
+// none: no such check. O(n lg n).
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
                         const std::vector<Feature>* features,
-                        std::optional<double> min_dihedral = std::nullopt);
+                        std::optional<double> min_dihedral = std::nullopt,
+                        MeshScope scope = MeshScope::kWhole, bool judges_rho = true);
 
 }  // namespace dynmesh::cli
 

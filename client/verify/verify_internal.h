@@ -112,7 +112,9 @@ std::string TetrahedronName(std::uint32_t tetrahedron);
 // For both dimensions.
 VerifyCheck CheckVertices(const io::IndexedMesh& mesh);
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh);
-VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges);
+// `is_whole`: the border is the box's, marked -1.
+VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges,
+                       bool is_whole = true);
 // The result of CheckInput for CheckFacets: the chain of vertices between two joined points, by
 // their ids, the lesser first. Incorrect chains are absent.
 using Chains = std::map<std::pair<FeatureId, FeatureId>, std::vector<std::uint32_t>>;
@@ -123,7 +125,10 @@ VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& 
 VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 
 // For 2D.
-VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
+// `is_whole`: the triangles are one disc, with one fan around each vertex. Else only sides count.
+VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
+                          bool is_whole = true);
+VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 // Also fills the measures of `report`.
@@ -134,6 +139,7 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>
 
 // For 3D.
 VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
+VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& faces);

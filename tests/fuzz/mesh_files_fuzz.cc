@@ -59,6 +59,9 @@ std::string FuzzMeshFiles(std::string_view bytes) {
   }
   if (const std::string problem = Measure(*files); !problem.empty()) return problem;
   const cli::VerifyReport report = cli::VerifyMesh(*files, kDefaultQuality2D, nullptr);
+  for (const auto scope : {cli::MeshScope::kPart, cli::MeshScope::kForeign}) {
+    cli::VerifyMesh(*files, kDefaultQuality2D, nullptr, std::nullopt, scope, false);
+  }
   return report.checks.empty() ? "the judge made no check" : "";
 }
 

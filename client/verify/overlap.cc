@@ -1,0 +1,201 @@
+// Do simplices overlap? For meshes that do not fill a box: of these, sides and orientation alone do
+// not say that every place is covered at most once.
+//
+// Let every side have one or two simplices, on either side of it, and all simplices be positive.
+// The number of simplices around a place is then constant but for steps of 1 across the border. So
+// no place is covered twice if no vertex lies in a simplex that does not have it, and no two sides
+// of the border cross. Exact: CGAL's kernel decides.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "client/verify/verify_internal.h"
+#include "core/base/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using text::Concat;
+using Position = std::array<double, 3>;
+
+// A grid of some n cells; items in each cell that their boxes meet.
+class Grid {
+ public:
+  Grid(const io::IndexedMesh& mesh, std::size_t cells)
+      : d_(static_cast<std::size_t>(mesh.dimension)) {
+    lo_.fill(HUGE_VAL);
+    Position hi;
+    hi.fill(-HUGE_VAL);
+    for (const auto& v : mesh.vertices) {
+      for (std::size_t k = 0; k < d_; ++k) {
+        lo_[k] = std::min(lo_[k], v.position()[k]), hi[k] = std::max(hi[k], v.position()[k]);
+      }
+    }
+    const double wanted = std::pow(static_cast<double>(cells) + 1, 1.0 / static_cast<double>(d_));
+    count_ = static_cast<std::size_t>(std::clamp(wanted, 1.0, 512.0));
+    for (std::size_t k = 0; k < d_; ++k) {
+      step_[k] = std::max((hi[k] - lo_[k]) / static_cast<double>(count_), 1e-300);
+    }
+    items_.resize(d_ == 2 ? count_ * count_ : count_ * count_ * count_);
+  }
+
+  void Add(std::uint32_t item, const Position& lo, const Position& hi) {
+    ForEachCell(lo, hi, [&](std::vector<std::uint32_t>& cell) { cell.push_back(item); });
+  }
+  // Calls f(item) for the items of cells that the box meets, some several times.
+  template <class F>
+  void ForEach(const Position& lo, const Position& hi, F f) {
+    ForEachCell(lo, hi, [&](const std::vector<std::uint32_t>& cell) {
+      for (const std::uint32_t item : cell) f(item);
+    });
+  }
+
+ private:
+  std::size_t CellOf(double c, std::size_t k) const {
+    const double at = (c - lo_[k]) / step_[k];
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count_ - 1)));
+  }
+  template <class F>
+  void ForEachCell(const Position& lo, const Position& hi, F f) {
+    std::array<std::size_t, 3> a = {0, 0, 0}, b = {0, 0, 0};
+    for (std::size_t k = 0; k < d_; ++k) a[k] = CellOf(lo[k], k), b[k] = CellOf(hi[k], k);
+    for (std::size_t z = a[2]; z <= b[2]; ++z) {
+      for (std::size_t y = a[1]; y <= b[1]; ++y) {
+        for (std::size_t x = a[0]; x <= b[0]; ++x) f(items_[(z * count_ + y) * count_ + x]);
+      }
+    }
+  }
+
+  const std::size_t d_;
+  Position lo_, step_ = {1, 1, 1};
+  std::size_t count_ = 1;
+  std::vector<std::vector<std::uint32_t>> items_;
+};
+
+template <std::size_t N>
+std::pair<Position, Position> BoxOf(const io::IndexedMesh& mesh,
+                                    const std::array<std::uint32_t, N>& corners) {
+  Position lo = mesh.vertices[corners[0]].position(), hi = lo;
+  for (const std::uint32_t v : corners) {
+    const Position p = mesh.vertices[v].position();
+    for (std::size_t k = 0; k < 3; ++k)
+      lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+  }
+  return {lo, hi};
+}
+
+Kernel::Point_2 P2(const io::IndexedMesh& mesh, std::uint32_t v) {
+  return {mesh.vertices[v].x, mesh.vertices[v].y};
+}
+Kernel::Point_3 P3(const io::IndexedMesh& mesh, std::uint32_t v) {
+  return {mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z};
+}
+
+int Sign(const io::IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return CGAL::orientation(P2(mesh, a), P2(mesh, b), P2(mesh, c));
+}
+int Sign(const io::IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+         std::uint32_t d) {
+  return CGAL::orientation(P3(mesh, a), P3(mesh, b), P3(mesh, c), P3(mesh, d));
+}
+
+bool Contains(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 3>& t, std::uint32_t v) {
+  return Sign(mesh, t[0], t[1], v) >= 0 && Sign(mesh, t[1], t[2], v) >= 0 &&
+         Sign(mesh, t[2], t[0], v) >= 0;
+}
+bool Contains(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 4>& t, std::uint32_t v) {
+  return Sign(mesh, v, t[1], t[2], t[3]) >= 0 && Sign(mesh, t[0], v, t[2], t[3]) >= 0 &&
+         Sign(mesh, t[0], t[1], v, t[3]) >= 0 && Sign(mesh, t[0], t[1], t[2], v) >= 0;
+}
+
+// Do the insides of edges p-q and a-b cross in one point?
+bool Cross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 2>& s,
+           const std::array<std::uint32_t, 2>& t) {
+  return Sign(mesh, s[0], s[1], t[0]) * Sign(mesh, s[0], s[1], t[1]) < 0 &&
+         Sign(mesh, t[0], t[1], s[0]) * Sign(mesh, t[0], t[1], s[1]) < 0;
+}
+// Does an edge of face s pierce the inside of face t?
+bool Cross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 3>& s,
+           const std::array<std::uint32_t, 3>& t) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t p = s[k], q = s[(k + 1) % 3];
+    if (std::ranges::count(t, p) + std::ranges::count(t, q) != 0) continue;
+    if (Sign(mesh, t[0], t[1], t[2], p) * Sign(mesh, t[0], t[1], t[2], q) >= 0) continue;
+    const int side = Sign(mesh, p, q, t[0], t[1]);
+    if (side != 0 && Sign(mesh, p, q, t[1], t[2]) == side && Sign(mesh, p, q, t[2], t[0]) == side) {
+      return true;
+    }
+  }
+  return false;
+}
+
+template <std::size_t N>
+VerifyCheck Check(const io::IndexedMesh& mesh,
+                  const std::vector<std::array<std::uint32_t, N>>& simplices,
+                  const std::vector<std::array<std::uint32_t, N - 1>>& border) {
+  Findings findings("overlap");
+  Grid vertices(mesh, mesh.vertices.size());
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const auto& s : simplices) {
+    for (const std::uint32_t v : s) used[v] = true;
+  }
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (used[v]) vertices.Add(v, mesh.vertices[v].position(), mesh.vertices[v].position());
+  }
+  for (std::uint32_t i = 0; i < simplices.size(); ++i) {
+    const auto [lo, hi] = BoxOf(mesh, simplices[i]);
+    vertices.ForEach(lo, hi, [&](std::uint32_t v) {
+      const Position p = mesh.vertices[v].position();
+      for (std::size_t k = 0; k + 1 < N; ++k) {
+        if (p[k] < lo[k] || p[k] > hi[k]) return;
+      }
+      if (std::ranges::count(simplices[i], v) != 0 || !Contains(mesh, simplices[i], v)) return;
+      findings.Add(
+          Concat(VertexName(v), " lies in ", N == 3 ? TriangleName(i) : TetrahedronName(i)));
+    });
+  }
+  Grid sides(mesh, border.size());
+  for (std::uint32_t i = 0; i < border.size(); ++i) {
+    const auto [lo, hi] = BoxOf(mesh, border[i]);
+    sides.Add(i, lo, hi);
+  }
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t i = 0; i < border.size(); ++i) {
+    const auto [lo, hi] = BoxOf(mesh, border[i]);
+    near.clear();
+    sides.ForEach(lo, hi, [&](std::uint32_t j) {
+      if (N == 3 ? j < i : j != i) near.push_back(j);
+    });
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    for (const std::uint32_t j : near) {
+      if (!Cross(mesh, border[i], border[j])) continue;
+      findings.Add(Concat("sides of the border cross at ", VertexName(border[i][0]), " and ",
+                          VertexName(border[j][0])));
+    }
+  }
+  return findings.Take();
+}
+
+}  // namespace
+
+VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Side>& sides) {
+  std::vector<std::array<std::uint32_t, 2>> border;
+  ForEachEdge(sides, [&](const Side* side, std::size_t count) {
+    if (count == 1) border.push_back({side->a, side->b});
+  });
+  return Check<3>(mesh, mesh.triangles, border);
+}
+
+VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Face>& faces) {
+  std::vector<std::array<std::uint32_t, 3>> border;
+  ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
+    if (count == 1) border.push_back(face->v);
+  });
+  return Check<4>(mesh, mesh.tetrahedra, border);
+}
+
+}  // namespace dynmesh::cli
