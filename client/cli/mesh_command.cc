@@ -13,6 +13,7 @@
 #include "client/cli/output.h"
 #include "client/cli/remote_mesher.h"
 #include "client/cli/selection.h"
+#include "client/cli/size_flags.h"
 #include "client/cli/words.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quadtree.h"
@@ -26,6 +27,7 @@ struct MeshCommand {
   InputFlags reading;
   MeshFlags mesh;
   OutputFlags output;
+  SizeFlags sizes;
   SelectionFlags selection;
   std::string markers;
   bool json = false;
@@ -130,6 +132,10 @@ int Run(MeshCommand command) {
   if (auto status = CheckOutputsOf(options, command.output); !status.ok()) {
     return ReportError(status);
   }
+  input->options = options;
+  if (auto status = ApplySizeFlags(command.sizes, *input); !status.ok()) {
+    return ReportError(status);
+  }
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
@@ -180,6 +186,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
                 "points, its constrained edges and faces segments and polygons, largest areas or "
                 "volumes of a .area or .vol sizes; with --inside");
   AddMeshFlags(*sub, command->mesh);
+  AddSizeFlags(*sub, command->sizes);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
   AddMarkersFlag(*sub, command->markers);

@@ -1,12 +1,15 @@
 #include "client/cli/mesh_flags.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
+#include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
 #include "core/io/script/edit_script.h"
 #include "dynmesh/error.h"
@@ -126,9 +129,13 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
-                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100, "
+                  "below 20.7 degrees); from 1.4142 with criterion thesis. In 3D 1.2 to 100, "
                   "from 1.4 with polygons (default: 2); from 2 with criterion thesis")
       ->type_name("R");
+  command
+      .add_option("-q,--min-angle", flags.min_angle,
+                  "In 2D: no angle below this, up to 30 degrees; rho is then 1 / (2 sin A)")
+      ->type_name("A");
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");
   command
@@ -142,6 +149,14 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       .add_option("--hmax", flags.max_edge,
                   "No edge in the box longer than sqrt 2 times this (default: any)")
       ->type_name("H");
+  command
+      .add_option("-a,--max-area", flags.max_area,
+                  "In 2D: no triangle in the box larger; hmax is then sqrt(A / 0.866)")
+      ->type_name("A");
+  command
+      .add_option("--max-volume", flags.max_volume,
+                  "In 3D: no tetrahedron in the box larger; hmax is then (3 V)^(1/3)")
+      ->type_name("V");
   command
       .add_option("--min-dihedral", flags.min_dihedral,
                   "In 3D: no dihedral angle below this, 0 to 20 degrees, where Steiner points can "
@@ -196,6 +211,38 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
   return absl::Status(status.code(), text::Concat(word, message.substr(name.size())));
 }
 
+namespace {
+
+// --min-angle, --max-area and --max-volume.
+absl::Status ApplyOtherWords(const MeshFlags& flags, MeshOptions& options) {
+  const auto error = [](const char* flag, const char* what) {
+    return absl::InvalidArgumentError(text::Concat(flag, ": ", what));
+  };
+  constexpr double kDegree = 3.141592653589793 / 180;
+  if (flags.min_angle) {
+    if (flags.rho) return error("--min-angle", "--rho says the same in other words: give one");
+    if (options.dimension != 2) return error("--min-angle", "of 2D: in 3D give --rho");
+    if (!(*flags.min_angle > 0 && *flags.min_angle <= 30)) {
+      return error("--min-angle", "must be above 0 and at most 30 degrees");
+    }
+    options.quality = std::max(kMinQuality2D, 1 / (2 * std::sin(*flags.min_angle * kDegree)));
+  }
+  for (const auto& [flag, value, dimension] :
+       {std::tuple("--max-area", flags.max_area, 2), {"--max-volume", flags.max_volume, 3}}) {
+    if (!value) continue;
+    if (flags.max_edge) return error(flag, "--hmax says the same in other words: give one");
+    if (options.dimension != dimension) {
+      return error(flag, dimension == 2 ? "the mesh is 3D: give --max-volume"
+                                        : "the mesh is 2D: give --max-area");
+    }
+    if (!(*value > 0)) return error(flag, "must be above 0");
+    options.max_edge = dimension == 2 ? TargetOfArea(*value) : TargetOfVolume(*value);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options, MeshLife life) {
   if (flags.engine != "dynamic" && flags.engine != "svr") {
     return absl::InvalidArgumentError(
@@ -222,6 +269,7 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options, MeshLi
     }
   }
   if (flags.rho) options.quality = *flags.rho;
+  if (auto status = ApplyOtherWords(flags, options); !status.ok()) return status;
   if (flags.max_edge) options.max_edge = *flags.max_edge;
   if (flags.min_dihedral) options.min_dihedral = *flags.min_dihedral;
   if (flags.max_vertices) options.limits.max_vertices = *flags.max_vertices;

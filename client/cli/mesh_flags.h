@@ -25,13 +25,15 @@ struct MeshFlags {
   std::string engine = "dynamic";
   std::string box;
   std::optional<double> max_edge, min_dihedral;
+  std::optional<double> min_angle, max_area, max_volume;  // other words for rho and max_edge
   std::optional<std::uint64_t> max_vertices;
 };
 
 // The value of a --box in 2D or 3D.
 inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
 
-// --kind --rho --criterion --engine --box --hmax --min-dihedral --max-vertices
+// --kind --rho --criterion --engine --box --hmax --min-dihedral --max-vertices, and --min-angle,
+// --max-area and --max-volume for --rho and --hmax
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
 // Checks the rho for judging a mesh file, if given: 1 to 100.

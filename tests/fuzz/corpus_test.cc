@@ -22,16 +22,21 @@ struct Target {
 };
 
 constexpr Target kTargets[] = {
-    {"edit_script", &FuzzEditScript}, {"planar_input", &FuzzPlanarInput},
-    {"space_input", &FuzzSpaceInput}, {"elements", &FuzzElements},
+    {"edit_script", &FuzzEditScript},
+    {"planar_input", &FuzzPlanarInput},
+    {"space_input", &FuzzSpaceInput},
+    {"elements", &FuzzElements},
+    {"sizes", &FuzzSizes},
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif
 #ifdef DYNMESH_FUZZ_WIRE
-    {"requests", &FuzzRequests},      {"answers", &FuzzAnswers},
+    {"requests", &FuzzRequests},
+    {"answers", &FuzzAnswers},
     {"journal", &FuzzJournal},
 #endif
-    {"batches", &FuzzBatches},        {"space_batches", &FuzzSpaceBatches},
+    {"batches", &FuzzBatches},
+    {"space_batches", &FuzzSpaceBatches},
 };
 
 std::vector<std::filesystem::path> FilesOf(const char* target) {

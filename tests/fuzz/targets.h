@@ -26,6 +26,10 @@ std::string FuzzSpaceInput(std::string_view bytes);
 // features in order, and a mesh to be measured.
 std::string FuzzElements(std::string_view bytes);
 
+// Target lengths, tried as `.asc`, `.npy`, `.pos` and `.mtr`. If they parse, they must become sizing
+// features in order.
+std::string FuzzSizes(std::string_view bytes);
+
 // A mesh as `.node`, `.ele`, `.edge` and `.face` files with lines `---` between them. If it parses,
 // conversion, measuring and the verifier must succeed.
 std::string FuzzMeshFiles(std::string_view bytes);
