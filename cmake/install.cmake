@@ -89,6 +89,10 @@ endif()
 if(TARGET dynmesh_cli AND TARGET dynmeshd)
   install(TARGETS dynmesh_cli dynmeshd
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT service)
+  get_target_property(pages dynmesh_help_pages FOLDER_OF_PAGES)
+  install(FILES ${pages}/dynmesh.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT service)
+  install(FILES ${pages}/dynmesh.bash RENAME dynmesh
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT service)
   install_documents(service dynmesh LICENSE CHANGELOG.md deploy/RUNBOOK.md)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/install_service.cmake.in install_service.cmake @ONLY)
   install(SCRIPT ${CMAKE_CURRENT_BINARY_DIR}/install_service.cmake COMPONENT service)

@@ -12,6 +12,7 @@
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
+#include "client/cli/progress_bar.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/common/file_writer.h"
@@ -250,7 +251,10 @@ int Run(const ImportCommand& command) {
   }
   InputFlags reading;
   reading.polygons = command.polygons;
+  ProgressBar bar(ErrorIsTerminal());
+  bar.Show(0, 0, Concat("reading ", command.input));
   absl::StatusOr<Input> input = LoadInput(command.input, reading);
+  bar.End();
   if (!input.ok()) return ReportError(input.status());
   if (auto status = ExpectPlanar(*input, command.input); !status.ok()) return ReportError(status);
   for (const std::string& warning : input->warnings) PrintWarning(warning);
@@ -262,7 +266,9 @@ int Run(const ImportCommand& command) {
   Summary summary;
   CleanResult result;
   if (command.clean) {
+    bar.Show(0, 0, "cleaning");
     const absl::Status status = Clean(command, *input, result, summary);
+    bar.End();
     if (!status.ok()) return ReportError(status);
   } else {
     result.features = input->features;
@@ -309,8 +315,8 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--polygons", command->polygons,
                 "Polygons of a map become polygon features, not segments");
   sub->add_option("--tolerance", command->tolerance,
-                  "What is nearer than this is one (default: 4 times what a mesh refuses as too "
-                  "close)")
+                  "Points nearer to each other than this are merged (default: 4 times what a mesh "
+                  "refuses as too close)")
       ->type_name("T");
   AddBoxFlag(*sub, command->box);
   sub->add_flag("--json", command->json,

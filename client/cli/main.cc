@@ -7,8 +7,10 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/command.h"
+#include "client/cli/help_pages.h"
 #include "client/cli/remote_mesher.h"
 #include "core/base/process_memory.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -32,12 +34,17 @@ int Main(int argc, char** argv) {
 #ifdef DYNMESH_CLI_REMOTE
   RegisterRemoteCommands(app, slot);
 #endif
+  RegisterHelpCommand(app, slot);
+  AddExamples(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // CLI11 reports help and version as errors with code 0. It has a code for each kind of bad
     // usage; here all have the same.
-    return app.exit(error) == 0 ? kExitDone : kExitBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error), kExitDone;
+    return ReportError(absl::InvalidArgumentError(
+        text::Concat(error.what(), Suggestion(app, {argv + 1, argv + argc}),
+                     "\nRun with --help for more information.")));
   }
   if (slot.run) return slot.run();
   std::fputs(app.help().c_str(), stderr);

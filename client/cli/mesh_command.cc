@@ -11,16 +11,21 @@
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/refusals.h"
 #include "client/cli/remote_mesher.h"
 #include "client/cli/selection.h"
 #include "client/cli/size_flags.h"
 #include "client/cli/words.h"
+#include "core/base/text.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quadtree.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::cli {
 namespace {
+
+using text::Concat;
 
 struct MeshCommand {
   std::string input;
@@ -102,7 +107,10 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
 int Run(MeshCommand command) {
   command.selection.inside |= command.reading.refine;
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  ProgressBar bar(ErrorIsTerminal());
+  bar.Show(0, 0, Concat("reading ", command.input));
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
+  bar.End();
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
@@ -139,14 +147,16 @@ int Run(MeshCommand command) {
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
+  build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
   absl::StatusOr<Mesh> mesh = is_remote
                                   ? command.remote->Build(input->features, options, build.engine)
                                   : BuildMesh(input->features, options, build);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  bar.End();
   if (!mesh.ok()) {
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
-    return ReportError(Locate(named, input->where));
+    return ReportRefusals(named, *input, command.reading.merge_coplanar || command.reading.refine);
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {
@@ -164,7 +174,10 @@ int Run(MeshCommand command) {
     if (!mesh.ok()) return ReportError(mesh.status());
   }
   const QualityReport quality = MeasureQuality(*mesh, options);
-  if (auto status = WriteOutputs(*mesh, options, command.output, labels); !status.ok()) {
+  if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
+  const absl::Status written = WriteOutputs(*mesh, options, command.output, labels);
+  bar.End();
+  if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);
   }
   return PrintOut(Summarise(*mesh, quality, options.min_dihedral, took.count(), command.json))

@@ -7,6 +7,18 @@
 
 namespace dynmesh::cli {
 
+const char* WordOf(ApplyProgress::Stage stage) {
+  switch (stage) {
+    case ApplyProgress::Stage::kValidate:
+      return "checking";
+    case ApplyProgress::Stage::kRefine:
+      return "refining";
+    case ApplyProgress::Stage::kDiff:
+      return "comparing";
+  }
+  return "";
+}
+
 std::string ProgressLine(std::uint64_t done, std::uint64_t total, const std::string& what) {
   constexpr std::uint64_t kWidth = 40;
   std::string line = "\r";

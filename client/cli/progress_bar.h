@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "dynmesh/dynamic_mesh.h"
+
 namespace dynmesh::cli {
 
 class ProgressBar {
@@ -26,6 +28,9 @@ class ProgressBar {
   std::string what_;
   std::chrono::steady_clock::time_point shown_at_;
 };
+
+// The word for a stage of a batch: "checking", "refining", "comparing".
+const char* WordOf(ApplyProgress::Stage stage);
 
 // "\r[####....] 4/10 what"; unknown parts and the bar for an unknown total are left out.
 std::string ProgressLine(std::uint64_t done, std::uint64_t total, const std::string& what);

@@ -14,6 +14,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
+#include "client/cli/progress_bar.h"
 #include "client/cli/selection.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
@@ -84,9 +85,15 @@ class Replay {
   absl::Status ApplyBatch(std::size_t b) {
     const EditBatch& batch = script_.batches[b].edits;
     const Clock::time_point start = Clock::now();
-    absl::StatusOr<MeshDiff> diff = mesh_->Apply(batch);
+    ApplyOptions options;
+    options.progress = [&](const ApplyProgress& p) {
+      bar_.Show(
+          p.done, p.total,
+          text::Concat("revision ", b + 1, " of ", script_.batches.size(), ", ", WordOf(p.stage)));
+    };
+    absl::StatusOr<MeshDiff> diff = mesh_->Apply(batch, options);
     const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
-    if (!diff.ok()) return AtLine(b, diff.status());
+    if (!diff.ok()) return bar_.End(), AtLine(b, diff.status());
     Count(batch, *diff);
     if (b > 0) microseconds_.push_back(elapsed.count());
     // The last revision is always checked.
@@ -97,7 +104,7 @@ class Replay {
                           text::Concat(script_.Where(b, std::nullopt), ": revision ",
                                        diff->to_revision, ": ", text::View(status.message())));
     }
-    ShowProgress(b + 1);
+    if (b + 1 == script_.batches.size()) bar_.End();
     last_added_ = std::move(diff->added_simplices);
     diff->added_simplices = {};
     return PrintRevision(*diff, elapsed.count(), checked);
@@ -224,16 +231,6 @@ class Replay {
                         command_.highlight ? last_added_ : SimplexColumn());
   }
 
-  // If results go to the same terminal, their lines show the progress.
-  void ShowProgress(std::size_t done) {
-    if (!show_progress_) return;
-    const Clock::time_point now = Clock::now();
-    const bool last = done == script_.batches.size();
-    if (!last && now - progress_shown_ < std::chrono::milliseconds(100)) return;
-    progress_shown_ = now;
-    absl::FPrintF(stderr, "\rrevision %d of %d%s", done, script_.batches.size(), last ? "\n" : "");
-  }
-
   const ReplayCommand& command_;
   const io::EditScript& script_;
   std::unique_ptr<DynamicMesh> mesh_;
@@ -248,8 +245,8 @@ class Replay {
   MeshLabels labels_;
   Selection selection_;  // the part of the last mesh to write
   SimplexColumn last_added_;
-  const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
-  Clock::time_point progress_shown_;
+  // If results go to the same terminal, their lines show the progress.
+  ProgressBar bar_{ErrorIsTerminal() && !OutIsTerminal()};
 };
 
 int Run(ReplayCommand command) {

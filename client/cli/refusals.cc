@@ -1,0 +1,101 @@
+#include "client/cli/refusals.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "client/cli/command.h"
+#include "core/base/text.h"
+#include "core/coplanar/merge_coplanar.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using text::Concat;
+
+constexpr std::size_t kMostTold = 10;
+// Features validated for the count, all rounds together.
+constexpr std::size_t kMostWork = 5'000'000;
+
+// Leaves out what a refusal blames.
+class Remaining {
+ public:
+  explicit Remaining(std::vector<Feature> features) : features_(std::move(features)) {}
+
+  const std::vector<Feature>& features() const { return features_; }
+
+  // Leaves out the blamed feature that fewest others need: the last one, not a point if there is
+  // another. False if there is none.
+  bool LeaveOut(const std::vector<FeatureId>& blamed) {
+    absl::flat_hash_map<FeatureId, FeatureKind> kind_of;
+    for (const Feature& f : features_) kind_of[f.id] = f.kind;
+    std::optional<FeatureId> victim;
+    for (const FeatureId id : blamed) {
+      const auto kind = kind_of.find(id);
+      if (kind == kind_of.end()) continue;
+      if (!victim || kind->second != FeatureKind::kPoint ||
+          kind_of[*victim] == FeatureKind::kPoint) {
+        victim = id;
+      }
+    }
+    if (!victim) return false;
+    const auto names = [&](const Feature& f) {
+      if (f.id == *victim) return true;
+      if (f.kind == FeatureKind::kSegment && std::ranges::count(f.ends, *victim) != 0) return true;
+      return std::ranges::any_of(
+          f.rings, [&](const auto& ring) { return std::ranges::count(ring, *victim) != 0; });
+    };
+    std::erase_if(features_, names);
+    return true;
+  }
+
+ private:
+  std::vector<Feature> features_;
+};
+
+std::size_t CountPolygons(const std::vector<Feature>& features) {
+  return static_cast<std::size_t>(
+      std::ranges::count(features, FeatureKind::kPolygon, &Feature::kind));
+}
+
+void AdviseMerging(const Input& input) {
+  const auto merged = coplanar::MergeCoplanar(input.features);
+  if (!merged.ok()) return;
+  const std::size_t before = CountPolygons(input.features), after = CountPolygons(*merged);
+  if (after == before) return;
+  PrintWarning(Concat(before, " faces lie in ", after,
+                      " planes: --merge-coplanar joins them, and takes away the angles between "
+                      "their inner edges"));
+}
+
+}  // namespace
+
+int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged) {
+  const int code = ReportError(Locate(first, input.where));
+  const std::optional<ErrorDetail> detail = GetErrorDetail(first);
+  if (!detail || detail->features.empty()) return code;
+  absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(input.options);
+  if (!mesh.ok()) return code;
+  Remaining remaining(input.features);
+  absl::Status status = first;
+  std::size_t count = 1, work = 0;
+  while (work < kMostWork) {
+    const std::optional<ErrorDetail> found = GetErrorDetail(status);
+    if (!found || !remaining.LeaveOut(found->features)) break;
+    work += remaining.features().size() + 1;
+    status = (*mesh)->Validate(AddAll(remaining.features()));
+    if (status.ok()) break;
+    if (++count <= kMostTold) ReportError(Locate(status, input.where));
+  }
+  if (count > 1) {
+    PrintWarning(Concat(status.ok() ? "" : "at least ", count, " refusals",
+                        count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
+  }
+  if (input.options.dimension == 3 && !is_merged) AdviseMerging(input);
+  return code;
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,21 @@
+// What a mesh refuses of an input: not only the first fault.
+#ifndef DYNMESH_CLIENT_CLI_REFUSALS_H_
+#define DYNMESH_CLIENT_CLI_REFUSALS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/cli/input.h"
+
+namespace dynmesh::cli {
+
+// Reports `first`, the refusal of `input` by a mesh with its options, then as many others as are
+// found by leaving out, again and again, what is to blame: the first ten are told, all are counted
+// up to a limit. Of a 3D surface whose faces could be joined it says that `--merge-coplanar` does
+// so. Returns the exit code. Only features are looked at; other errors are reported alone.
+int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_REFUSALS_H_

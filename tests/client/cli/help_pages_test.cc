@@ -1,0 +1,131 @@
+// Help beside --help: examples, suggestions, the manual page, completion; all refusals.
+#include "client/cli/help_pages.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/client/cli/command_line.h"
+
+namespace dynmesh::cli {
+namespace {
+
+class HelpPages : public CommandLineFixture {
+ protected:
+  std::vector<std::string> Commands() const {
+    std::vector<std::string> commands;
+    const std::string help = Run("--help").out;
+    for (const std::string& line : Lines(help.substr(help.find("Subcommands:")))) {
+      if (line.starts_with("  ") && line.size() > 2 && line[2] != ' ') {
+        commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+      }
+    }
+    return commands;
+  }
+};
+
+TEST_F(HelpPages, EveryCommandHasThreeExamplesWithItsOwnFlags) {
+  const std::vector<std::string> commands = Commands();
+  EXPECT_GE(commands.size(), 6U);
+  for (const std::string& command : commands) {
+    const Outcome help = Run(command + " --help");
+    EXPECT_EQ(help.code, 0);
+    EXPECT_EQ(Run("help " + command).out, help.out) << command;
+    const std::size_t at = help.out.find("Examples:\n");
+    ASSERT_NE(at, std::string::npos) << command;
+    int examples = 0;
+    for (const std::string& line : Lines(help.out.substr(at))) {
+      if (!line.starts_with("  dynmesh ")) continue;
+      ++examples;
+      EXPECT_TRUE(line.starts_with("  dynmesh " + command)) << line;
+      std::istringstream words(line.substr(0, line.find('#')));
+      for (std::string word; words >> word;) {
+        if (!word.starts_with("-") || word[1] == '8') continue;
+        EXPECT_NE(help.out.substr(0, at).find(word), std::string::npos) << line << ": " << word;
+      }
+    }
+    EXPECT_EQ(examples, 3) << command;
+  }
+}
+
+TEST_F(HelpPages, WhatIsMisspeltGetsASuggestion) {
+  const struct {
+    std::string arguments, said;
+  } wrong[] = {
+      {"foo", "there is no command 'foo': `dynmesh --help` lists them"},
+      {"msh a.poly", "there is no command 'msh'; did you mean 'mesh'?"},
+      {"mesh a.poly --insde", "did you mean '--inside'?"},
+      {"mesh a.poly --rhoo=1", "did you mean '--rho'?"},
+      {"help verfy", "no command 'verfy'; did you mean 'verify'?"},
+      {"mesh", "INPUT is required"},
+  };
+  for (const auto& [arguments, said] : wrong) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_EQ(Nearest("zzzzzz", {"mesh", "diff"}), "");
+  EXPECT_EQ(Nearest("dif", {"mesh", "diff"}), "diff");
+}
+
+TEST_F(HelpPages, ManualAndCompletionHaveEveryCommand) {
+  const std::string man = Run("help --man").out, completion = Run("help --bash-completion").out;
+  EXPECT_TRUE(man.starts_with(".TH DYNMESH 1"));
+  for (const std::string& command : Commands()) {
+    EXPECT_NE(man.find(".SS \"dynmesh " + command + "\"\n"), std::string::npos) << command;
+    EXPECT_NE(completion.find("    " + command + ") flags="), std::string::npos) << command;
+  }
+  // It completes.
+  folder_.Write("c.bash", completion);
+  folder_.Write("try.bash",
+                "source c.bash\nCOMP_WORDS=(dynmesh mesh --ins); COMP_CWORD=2; _dynmesh\n"
+                "echo \"${COMPREPLY[@]}\"\nCOMP_WORDS=(dynmesh rep); COMP_CWORD=1; _dynmesh\n"
+                "echo \"${COMPREPLY[@]}\"\n");
+  const std::string command = "cd '" + folder_.Path("") + "' && bash try.bash > tried.txt";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(folder_.Read("tried.txt"), "--inside\nreplay\n");
+}
+
+TEST_F(HelpPages, AllRefusalsAreCountedAndTheFirstTenTold) {
+  // Twelve pairs of crossing segments.
+  std::string points = "48 2 0 0\n", segments = "24 0\n";
+  for (int i = 0; i < 12; ++i) {
+    const double x = 10 * i;
+    for (const auto& [dx, dy] : {std::pair(0, 0), {4, 4}, {0, 4}, {4, 0}}) {
+      points += std::to_string(4 * i + 1 + (dx == 4 ? (dy == 4 ? 1 : 3) : (dy == 4 ? 2 : 0))) +
+                " " + std::to_string(x + dx) + " " + std::to_string(dy) + "\n";
+    }
+    for (const int k : {0, 1}) {
+      segments += std::to_string(2 * i + 1 + k) + " " + std::to_string(4 * i + 1 + 2 * k) + " " +
+                  std::to_string(4 * i + 2 + 2 * k) + "\n";
+    }
+  }
+  folder_.Write("x.poly", points + segments + "0\n");
+  const Outcome outcome = Run("mesh x.poly");
+  EXPECT_EQ(outcome.code, 2);
+  const auto lines = Lines(outcome.err);
+  EXPECT_EQ(std::ranges::count_if(
+                lines, [](const std::string& l) { return l.find("cross at") != l.npos; }),
+            10);
+  EXPECT_EQ(lines.back(), "dynmesh: warning: 12 refusals, the first 10 told");
+}
+
+TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
+  folder_.Write("c.off",
+                "OFF\n8 12 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"
+                "3 0 1 2\n3 0 2 3\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
+                "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+  const Outcome refused = Run("mesh c.off");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("12 faces lie in 6 planes: --merge-coplanar joins them"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(Run("mesh c.off --merge-coplanar").code, 0);
+}
+
+}  // namespace
+}  // namespace dynmesh::cli
