@@ -27,6 +27,13 @@ FOLDERS = ("core/include", "client/include", "proto/codec/include")  # of public
 PYTHON_FOLDER = "lib/python3/dist-packages"
 HAS_PYTHON = any((BUILD / "python/dynmesh").glob("_core*.so"))  # not with -DDYNMESH_PYTHON=OFF
 WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
+PLATE = """8 2 0 0
+1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .4 .4\n6 .6 .4\n7 .6 .6\n8 .4 .6
+8 0
+1 1 2\n2 2 3\n3 3 4\n4 4 1\n5 5 6\n6 6 7\n7 7 8\n8 8 5
+1
+1 .5 .5
+"""
 TOOLS = {
     "Installed": ["cmake", "ninja", "pkg-config"],
     "Subdirectory": ["cmake", "ninja"],
@@ -112,6 +119,41 @@ class Installed(Folder):
         self.assertEqual(run(where / "consumer").split(), [version(), expected_hash()])
         with Server(self.folder / "port") as address:
             self.assertEqual(run(where / "consumer_client", address).split(), [expected_hash()])
+
+    def test_programs_of_documents_build_and_run(self):
+        programs = [
+            block
+            for name in ("README.md", "docs/embedding.md")
+            for block in re.findall(r"(?s)```cpp\n(.*?)```", (SOURCE / name).read_text())
+            if "int main(" in block
+        ]
+        self.assertGreaterEqual(len(programs), 2)
+        said = []
+        for number, program in enumerate(programs):
+            where = self.folder / f"document{number}"
+            where.mkdir()
+            (where / "main.cc").write_text(program)
+            (where / "plate.poly").write_text(PLATE)
+            run("cmake", "-G", "Ninja", "-S", SOURCE / "tests/package/documents", "-B", where,
+                f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}",
+                f"-DDOCUMENT={where}/main.cc")
+            run("cmake", "--build", where)
+            said.append(run(where / "document", cwd=where))
+        self.assertRegex(said[0], r"^triangles \+\d+ -\d+, hash [0-9a-f]{32}\n$")
+        self.assertIn("$PhysicalNames", (self.folder / "document1/plate.msh").read_text())
+
+    def test_readers_and_writers_are_found_with_pkg_config(self):
+        program = self.folder / "files.cc"
+        program.write_text('#include "dynmesh/files.h"\n'
+                           'int main() { return dynmesh::ReadInput("x.xyz").ok() ? 1 : 0; }\n')
+        run(CXX, "-std=c++20", *WARNINGS, *self.pkg_config("--cflags", "dynmesh-files"), program,
+            "-o", self.folder / "files", *self.pkg_config("--libs", "dynmesh-files"))
+        run(self.folder / "files")
+
+    def test_help_is_installed(self):
+        self.assertIn(".SS \"dynmesh mesh\"",
+                      (self.prefix / "share/man/man1/dynmesh.1").read_text())
+        run("bash", "-n", self.prefix / "share/bash-completion/completions/dynmesh")
 
     def test_a_program_finds_it_with_pkg_config(self):
         self.assertEqual(self.pkg_config("--modversion", "dynmesh"), [version()])
@@ -302,6 +344,7 @@ class Packages(Folder):
         files = self.listing("dynmesh")
         self.assertEqual(set(files), {
             "/etc/dynmesh/dynmeshd.conf",
+            "/usr/share/man/man1/dynmesh.1", "/usr/share/bash-completion/completions/dynmesh",
             "/usr/bin/dynmesh",
             "/usr/bin/dynmeshd",
             "/usr/lib/systemd/system/dynmeshd.service",
@@ -387,9 +430,9 @@ class Packages(Folder):
         )
         tails = {re.sub(r"^/usr/lib(/[^/]+-linux-gnu)?/", "", name) for name in files}
         self.assertLessEqual({
-            "libdynmesh.a", "libdynmesh_client.a", "cmake/dynmesh/dynmesh-config.cmake",
+            "libdynmesh.a", "libdynmesh_client.a", "libdynmesh_files.a", "cmake/dynmesh/dynmesh-config.cmake",
             "cmake/dynmesh/dynmesh-config-version.cmake", "cmake/dynmesh/dynmesh-targets.cmake",
-            "pkgconfig/dynmesh.pc", "pkgconfig/dynmesh-client.pc",
+            "pkgconfig/dynmesh.pc", "pkgconfig/dynmesh-client.pc", "pkgconfig/dynmesh-files.pc",
         }, tails)
         self.assertFalse([name for name in files if "/bin/" in name or "journal" in name])
         self.assertIn("libabsl-dev", self.field("libdynmesh-dev", "Depends"))

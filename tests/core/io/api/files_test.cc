@@ -1,0 +1,113 @@
+#include "dynmesh/files.h"
+
+#include <cmath>
+#include <string>
+
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/slot_mesh.h"
+#include "gtest/gtest.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh {
+namespace {
+
+using test::TempFolder;
+
+constexpr char kFrame[] =
+    "8 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .4 .4\n6 .6 .4\n7 .6 .6\n8 .4 .6\n"
+    "8 1\n1 1 2 5\n2 2 3 0\n3 3 4 0\n4 4 1 0\n5 5 6 0\n6 6 7 0\n7 7 8 0\n8 8 5 0\n1\n1 .5 .5\n";
+constexpr char kCube[] =
+    "OFF\n8 12 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"
+    "3 0 1 2\n3 0 2 3\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
+    "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+
+double SizeOf(const Mesh& mesh) {
+  const auto slots = SlotMesh::FromMesh(mesh);
+  EXPECT_TRUE(slots.ok());
+  const auto d = static_cast<std::size_t>(mesh.dimension);
+  double sum = 0;
+  for (std::size_t i = 0; i < slots->simplex_count(); ++i) {
+    std::array<std::array<double, 3>, 4> p{};
+    for (std::size_t k = 0; k <= d; ++k) {
+      for (std::size_t j = 0; j < d; ++j) {
+        p[k][j] =
+            slots->points()[d * static_cast<std::size_t>(slots->cells()[(d + 1) * i + k]) + j];
+      }
+    }
+    const auto e = [&](std::size_t k, std::size_t j) { return p[k][j] - p[0][j]; };
+    sum += d == 2 ? (e(1, 0) * e(2, 1) - e(1, 1) * e(2, 0)) / 2
+                  : (e(1, 0) * (e(2, 1) * e(3, 2) - e(2, 2) * e(3, 1)) -
+                     e(1, 1) * (e(2, 0) * e(3, 2) - e(2, 2) * e(3, 0)) +
+                     e(1, 2) * (e(2, 0) * e(3, 1) - e(2, 1) * e(3, 0))) /
+                        6;
+  }
+  return sum;
+}
+
+TEST(Files, AnInputBecomesAMeshOfItsInsideInAFile) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write("f.poly", kFrame));
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(input->features.size(), 16U);
+  EXPECT_EQ(input->markers, (std::map<FeatureId, std::int64_t>{{9, 5}}));
+  EXPECT_EQ(input->places.at(9), folder.Path("f.poly") + ":11");
+  const auto mesh = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(mesh.ok());
+  const auto inside = KeepInside(*mesh, input->holes);
+  ASSERT_TRUE(inside.ok());
+  EXPECT_NEAR(SizeOf(*inside), 0.96, 1e-14);
+  for (const char* name : {"m.node", "m.vtu", "m.msh", "m.mesh"}) {
+    EXPECT_TRUE(WriteMesh(*inside, input->options, folder.Path(name), &*input).ok()) << name;
+  }
+  Mesh read = *ReadMesh(folder.Path("m.node"));
+  EXPECT_EQ(read.hash, inside->hash);
+  const auto again = ReadInput(folder.Path("m.msh"));
+  ASSERT_TRUE(again.ok()) << again.status();
+  const auto from_mesh = BuildMesh(again->features, again->options);
+  EXPECT_NEAR(SizeOf(*KeepInside(*from_mesh, again->holes)), 0.96, 1e-14);
+  EXPECT_FALSE(KeepInside(*BuildMesh({}, input->options)).ok());
+}
+
+TEST(Files, SurfacesAreReadAndTheirFacesJoined) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write("c.off", kCube), true);
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(input->features.size(), 14U);  // eight points, six faces
+  EXPECT_EQ(input->options.dimension, 3);
+  const auto mesh = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_NEAR(SizeOf(*KeepInside(*mesh)), 64, 1e-12);
+}
+
+TEST(Files, ScriptsAreReadToTheirEnd) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write(
+      "s.dynmesh",
+      "mesh box=0,0,4,4 rho=1.2\nadd point 1 1 1\nadd point 2 2 2\ncommit\nremove 2\nname 1 A\n"));
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(input->features, std::vector<Feature>{Feature::Point(1, 1, 1)});
+  EXPECT_EQ(input->options.quality, 1.2);
+  EXPECT_EQ(input->names.at(1), "A");
+  const auto bad = ReadInput(folder.Write("b.dynmesh", "mesh box=0,0,4,4\nremove 2\n"));
+  EXPECT_TRUE(std::string(bad.status().message()).starts_with(folder.Path("b.dynmesh") + ":2: "))
+      << bad.status();
+}
+
+TEST(Files, WhatIsWrongIsNamed) {
+  const TempFolder folder;
+  EXPECT_EQ(ReadInput(folder.Path("none.poly")).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ReadInput(folder.Path("a.xyz")).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(WriteMesh(Mesh(), MeshOptions(), folder.Path("a.xyz")).code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ReadMesh(folder.Path("none.node")).status().code(), absl::StatusCode::kNotFound);
+  const auto input = ReadInput(folder.Write("f.poly", kFrame));
+  const auto mesh = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(WriteMesh(*mesh, input->options, folder.Path("m.node")).ok());
+  std::string nodes = folder.Read("m.node");
+  nodes.replace(nodes.find("1 0 0 1\n"), 8, "1 0 0 2\n");
+  folder.Write("m.node", nodes);
+  EXPECT_EQ(ReadMesh(folder.Path("m.node")).status().code(), absl::StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace dynmesh
