@@ -286,10 +286,19 @@ int Run(const ImportCommand& command) {
   } else if (auto status = MarkSeeds(command.clean, *input, result.features); !status.ok()) {
     return ReportError(status);
   }
+  // Cleaning splits and merges what has them; polygons keep their ids.
+  io::FeatureLabels labels = *input->labels;
+  if (command.clean) {
+    if (const std::size_t lost = labels.markers.size() + labels.attributes; lost != 0) {
+      PrintWarning(Concat(command.input, ": markers and attributes left out by --clean"));
+    }
+    labels.markers.clear();
+    labels.attributes = 0;
+  }
   const absl::Status written =
       *kind == OutputKind::kPoly
-          ? io::WritePolyFile(command.output, result.features, input->holes, input->regions)
-          : io::WriteFeatureScript(command.output, input->options, result.features);
+          ? io::WritePolyFile(command.output, result.features, input->holes, input->regions, labels)
+          : io::WriteFeatureScript(command.output, input->options, result.features, labels);
   if (!written.ok()) return ReportError(written);
   std::string report;
   if (command.json) {

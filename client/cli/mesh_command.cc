@@ -13,6 +13,7 @@
 #include "client/cli/output.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
+#include "client/cli/region_volumes.h"
 #include "client/cli/remote_mesher.h"
 #include "client/cli/selection.h"
 #include "client/cli/size_flags.h"
@@ -149,9 +150,11 @@ int Run(MeshCommand command) {
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
-  absl::StatusOr<Mesh> mesh = is_remote
-                                  ? command.remote->Build(input->features, options, build.engine)
-                                  : BuildMesh(input->features, options, build);
+  const auto make = [&] {
+    return is_remote ? command.remote->Build(input->features, options, build.engine)
+                     : BuildMesh(input->features, options, build);
+  };
+  absl::StatusOr<Mesh> mesh = BuildWithinVolumes(make, *input);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!mesh.ok()) {

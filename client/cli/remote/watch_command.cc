@@ -138,7 +138,8 @@ void RegisterWatchCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option("MESH", command->id, "Its id")->required();
   sub->add_option("--until", command->until, "End when this revision is there")
       ->type_name("REVISION");
-  sub->add_flag("--progress", command->progress, "Show signs of life of the server, too");
+  sub->add_flag("--progress", command->progress,
+                "Tell, too, that the server is alive while nothing changes");
   AddRegionFlag(*sub, command->region);
   AddOutputFlags(*sub, command->output);
   AddServerFlags(*sub, command->server);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/text.h"
@@ -24,12 +25,14 @@ void WriteSeeds(const std::vector<SeedRow>& seeds, FileWriter& out) {
 }  // namespace
 
 absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features,
-                           const std::vector<SeedRow>& holes, const std::vector<SeedRow>& regions) {
+                           const std::vector<SeedRow>& holes, const std::vector<SeedRow>& regions,
+                           const FeatureLabels& labels) {
   absl::flat_hash_map<FeatureId, std::size_t> number;
   for (const Feature& f : features) {
     if (f.kind == FeatureKind::kPoint) number.emplace(f.id, number.size() + 1);
   }
   std::vector<std::array<std::size_t, 2>> segments;
+  std::vector<std::int64_t> markers;  // of segments
   for (const Feature& f : features) {
     if (f.kind != FeatureKind::kSegment) continue;
     std::array<std::size_t, 2> ends{};
@@ -42,28 +45,49 @@ absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& 
       ends[i] = it->second;
     }
     segments.push_back(ends);
+    markers.push_back(labels.MarkerOf(f.id));
   }
   FileWriter out(path);
-  out << number.size() << " 2 0 0\n";
+  const bool has_markers = !labels.markers.empty();
+  out << number.size() << " 2 " << labels.attributes << (has_markers ? " 1\n" : " 0\n");
   std::size_t n = 0;
   for (const Feature& f : features) {
     if (f.kind != FeatureKind::kPoint) continue;
-    out << ++n << ' ' << f.position[0] << ' ' << f.position[1] << '\n';
+    out << ++n << ' ' << f.position[0] << ' ' << f.position[1];
+    for (std::size_t k = 0; k < labels.attributes; ++k) {
+      const std::size_t at = (f.id - 1) * labels.attributes + k;
+      out << ' ' << (at < labels.values.size() ? labels.values[at] : 0.0);
+    }
+    if (has_markers) out << ' ' << labels.MarkerOf(f.id);
+    out << '\n';
   }
-  out << segments.size() << " 0\n";
-  n = 0;
-  for (const auto& ends : segments) out << ++n << ' ' << ends[0] << ' ' << ends[1] << '\n';
+  out << segments.size() << (has_markers ? " 1\n" : " 0\n");
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    out << i + 1 << ' ' << segments[i][0] << ' ' << segments[i][1];
+    if (has_markers) out << ' ' << markers[i];
+    out << '\n';
+  }
   WriteSeeds(holes, out);
   if (!regions.empty()) WriteSeeds(regions, out);
   return out.Close();
 }
 
 absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& options,
-                                const std::vector<Feature>& features) {
+                                const std::vector<Feature>& features, const FeatureLabels& labels) {
   FileWriter out(path);
   out << FormatMeshLine(options) << '\n';
   for (const Feature& f : features) out << FormatEdit(Edit::Add(f), options.dimension) << '\n';
   out << "commit\n";
+  for (const Feature& f : features) {
+    if (const std::int64_t marker = labels.MarkerOf(f.id); marker != 0) {
+      out << "marker " << f.id << ' ' << marker << '\n';
+    }
+    std::string name = labels.NameOf(f.id);
+    for (char& c : name) c = c == '#' || static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    if (name.find_first_not_of(' ') != std::string::npos) {
+      out << "name " << f.id << ' ' << name << '\n';
+    }
+  }
   return out.Close();
 }
 

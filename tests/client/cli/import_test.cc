@@ -121,7 +121,7 @@ TEST_F(Import, PolygonsOfAMapStayPolygons) {
   EXPECT_EQ(verified.code, 0) << verified.out;
   // Left alone, right alone and both.
   const std::string stats = Run("stats m.node").out;
-  for (const char* region : {"3  14\n", "3  15\n", "1  14 15\n"}) {
+  for (const char* region : {"3  14 Left\n", "3  15\n", "1  14 15\n"}) {
     EXPECT_NE(stats.find(region), std::string::npos) << region << stats;
   }
   // Unchanged: polygons, which a .poly cannot represent.

@@ -209,6 +209,57 @@ TEST_F(Labels, NamesGoFromScriptsAndMapsIntoFiles) {
   EXPECT_NE(folder_.Read("g.msh").find("\"Mohave\"\n"), std::string::npos);
 }
 
+TEST_F(Labels, LargestVolumesOfRegionsAreObeyed) {
+  const std::string cube =
+      "8 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n5 0 0 4\n6 4 0 4\n7 4 4 4\n8 0 4 4\n6 0\n"
+      "4 1 2 3 4\n4 5 6 7 8\n4 1 2 6 5\n4 2 3 7 6\n4 3 4 8 7\n4 4 1 5 8\n0\n1\n";
+  folder_.Write("c.smesh", cube + "1 2 2 2 3 .25\n");
+  const Outcome made = Run("mesh c.smesh --inside -o m.node");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const auto nodes = Rows(folder_.Read("m.node"));
+  const auto tetrahedra = Rows(folder_.Read("m.ele"));
+  EXPECT_GT(tetrahedra.size(), 256U);  // 64 / .25
+  for (const auto& row : tetrahedra) {
+    std::array<std::array<double, 3>, 3> e;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        e[k][i] = nodes[static_cast<std::size_t>(row[2 + k]) - 1][1 + i] -
+                  nodes[static_cast<std::size_t>(row[1]) - 1][1 + i];
+      }
+    }
+    const double volume = (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                           e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+                           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+                          6;
+    EXPECT_LE(volume, .25 * (1 + 1e-12));
+  }
+  folder_.Write("on.smesh", cube + "1 0 2 2 3 .25\n");
+  const Outcome on = Run("mesh on.smesh --inside");
+  EXPECT_EQ(on.code, 2);
+  EXPECT_NE(on.err.find("on.smesh:19: the place of a region is on a facet"), std::string::npos)
+      << on.err;
+}
+
+TEST_F(Labels, AreImported) {
+  folder_.Write("p.poly", kPlate);
+  ASSERT_EQ(Run("import p.poly -o q.poly").code, 0);
+  ASSERT_EQ(Run("mesh p.poly --markers input -o p1.node").code, 0);
+  ASSERT_EQ(Run("mesh q.poly --markers input -o q1.node").code, 0);
+  for (const char* extension : {".node", ".edge", ".ele"}) {
+    EXPECT_EQ(folder_.Read(std::string("p1") + extension),
+              folder_.Read(std::string("q1") + extension));
+  }
+  ASSERT_EQ(Run("import p.poly -o q.dynmesh").code, 0);
+  EXPECT_NE(folder_.Read("q.dynmesh").find("\nmarker 9 11\n"), std::string::npos);
+  EXPECT_NE(Run("import p.poly --clean -o c.poly").err.find("left out by --clean"),
+            std::string::npos);
+  folder_.Write("m.geojson",
+                R"({"type": "Feature", "properties": {"name": "A # B"}, "geometry":
+                {"type": "Polygon", "coordinates": [[[0,0],[4,0],[4,4],[0,4],[0,0]]]}})");
+  ASSERT_EQ(Run("import m.geojson --polygons -o m.dynmesh").code, 0);
+  EXPECT_NE(folder_.Read("m.dynmesh").find("\nname 5 A   B\n"), std::string::npos);
+}
+
 TEST_F(Labels, ScriptsWithBadLabelsAreRefused) {
   for (const char* line :
        {"marker 1", "marker x 1", "marker 1 x", "marker 1 2 3", "name 1", "name x y", "name 0 y"}) {

@@ -1,0 +1,97 @@
+#include "client/cli/region_volumes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "client/cli/sizes_of_limits.h"
+#include "core/base/text.h"
+#include "core/mesh_data/chambers.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using text::Concat;
+
+// The largest volume in each chamber of the mesh; 0: any.
+absl::StatusOr<std::vector<double>> LimitsOf(const Mesh& mesh, const mesh_data::Chambers& chambers,
+                                             const std::vector<const io::SeedRow*>& seeds,
+                                             const std::string& file) {
+  std::vector<std::array<double, 3>> positions;
+  for (const io::SeedRow* const seed : seeds) positions.push_back(seed->position);
+  const auto places = mesh_data::LocateInChambers(mesh, chambers, positions);
+  std::vector<double> limits(chambers.count(), 0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].is_between) {
+      return absl::InvalidArgumentError(Concat(
+          file, ":", seeds[i]->line, ": the place of a region is on a facet: move it to one side"));
+    }
+    const std::uint32_t c = places[i].chamber;
+    const bool is_in = c != mesh_data::PlaceInChambers::kNone && !chambers.is_outside[c];
+    if (is_in && limits[c] == 0) limits[c] = seeds[i]->more[1];
+  }
+  return limits;
+}
+
+double VolumeOf(const io::ElementMesh& tetrahedron) {
+  const auto& p = tetrahedron.positions;
+  std::array<std::array<double, 3>, 3> e;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) e[i][k] = p[i + 1][k] - p[0][k];
+  }
+  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+          e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+         6;
+}
+
+}  // namespace
+
+absl::StatusOr<Mesh> BuildWithinVolumes(const std::function<absl::StatusOr<Mesh>()>& build,
+                                        Input& input) {
+  std::vector<const io::SeedRow*> seeds;
+  for (const io::SeedRow& row : input.regions) {
+    if (row.more.size() > 1 && row.more[1] > 0) seeds.push_back(&row);
+  }
+  absl::StatusOr<Mesh> mesh = build();
+  if (input.options.dimension != 3 || seeds.empty()) return mesh;
+  FeatureId next_id = 0;
+  for (const Feature& f : input.features) next_id = std::max(next_id, f.id);
+  for (int round = 0; mesh.ok(); ++round) {
+    const mesh_data::Chambers chambers = mesh_data::FindChambers(*mesh);
+    const auto limits = LimitsOf(*mesh, chambers, seeds, input.seed_file);
+    if (!limits.ok()) return limits.status();
+    absl::flat_hash_map<VertexId, std::size_t> row_of;
+    for (std::size_t i = 0; i < mesh->vertices.size(); ++i)
+      row_of.emplace(mesh->vertices.ids[i], i);
+    io::ElementMesh tetrahedron;
+    tetrahedron.positions.resize(4);
+    tetrahedron.tetrahedra = {{{0, 1, 2, 3}, 0, 0}};
+    std::size_t added = 0;
+    for (std::size_t i = 0; i < mesh->simplex_count(); ++i) {
+      const double limit = (*limits)[chambers.of[i]];
+      if (limit == 0) continue;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t row = row_of.at(mesh->simplices[4 * i + k]);
+        std::copy_n(&mesh->vertices.coordinates[3 * row], 3, tetrahedron.positions[k].begin());
+      }
+      if (VolumeOf(tetrahedron) <= limit) continue;
+      const InscribedBall ball = InscribedBallOf(tetrahedron, 0);
+      input.features.push_back(Feature::Size(
+          ++next_id, ball.centre, {SizeShape::kDisc, TargetOfVolume(limit), ball.radius, {}}));
+      ++added;
+    }
+    if (added == 0) return mesh;
+    if (round == kMostVolumeRounds) {
+      return absl::ResourceExhaustedError(
+          Concat(input.seed_file, ": after ", round, " rounds ", added,
+                 " tetrahedra are still larger than their region's volume; give --max-volume"));
+    }
+    mesh = build();
+  }
+  return mesh;
+}
+
+}  // namespace dynmesh::cli
