@@ -38,7 +38,7 @@ struct SlotPool {
 // Subsegments or subfacets by key, in slots.
 template <class Columns>
 struct ConstraintTable {
-  static constexpr std::size_t kCorners = kCorners<Columns>;
+  static constexpr std::size_t kCorners = mesh_data::kCorners<Columns>;
   using Key = ConstraintKey<Columns>;
 
   absl::flat_hash_map<Key, Slot> slots;

@@ -325,24 +325,33 @@ class MshFile {
     }
   }
 
+  // As Gmsh saves a mesh that has groups: elements without a group are left out.
+  bool IsSaved(int dimension, int reference) const {
+    return dimension == top_ || groups_.Of(reference) != 0;
+  }
+
   void WriteElements() {
-    std::size_t blocks = points_.size();
-    std::size_t count = points_.size();
-    for (const Entities& entities : entities_) {
-      for (const auto& [tag, entity] : entities) {
-        blocks += entity.elements.empty() ? 0 : 1;
+    const auto is_saved = [this](const PointEntity& p) { return IsSaved(0, p.physical); };
+    std::size_t blocks =
+        static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), is_saved));
+    std::size_t count = blocks;
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        if (entity.elements.empty() || !IsSaved(dimension, tag)) continue;
+        ++blocks;
         count += entity.elements.size();
       }
     }
     out_ << "$Elements\n"
          << blocks << ' ' << count << ' ' << (count == 0 ? 0 : 1) << ' ' << count << '\n';
     for (const PointEntity& p : points_) {
+      if (!is_saved(p)) continue;
       out_ << "0 " << p.tag << ' ' << kPointElement << " 1\n";
       WriteElement(Corners(std::array{p.vertex}));
     }
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
-        if (entity.elements.empty()) continue;
+        if (entity.elements.empty() || !IsSaved(dimension, tag)) continue;
         out_ << dimension << ' ' << tag << ' ' << kElementOf[mesh_.order() - 1][dimension] << ' '
              << entity.elements.size() << '\n';
         for (const std::uint32_t i : entity.elements) WriteElement(CornersOf(dimension, i));
