@@ -98,7 +98,7 @@ absl::StatusOr<mesh_data::RegionChoice> ParseRegionFlag(const std::string& text)
 void AddOutsideFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--outside", text,
-                  "Nothing that lies in one of these polygons (holes: in one that a 2D .poly "
+                  "Nothing that lies in one of these polygons (holes: in what a .poly or .smesh "
                   "marks as a hole); in 3D in closed surfaces, each by the id that "
                   "`dynmesh stats` has for it")
       ->type_name("ID[,ID...]|holes");

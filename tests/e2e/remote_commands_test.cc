@@ -156,7 +156,11 @@ TEST_F(RemoteCommandsTest, ExportAndWatchTakePolygonsOnly) {
   const int inside = count({"--region", "7,9"});
   EXPECT_GT(inside, 1);
   EXPECT_LT(inside, count({}));
-  EXPECT_EQ(count({"--region", "7"}), 0);
+  const Ran none = Remote({"export", "plate", "-o", Path("none.node"), "--region", "7"});
+  EXPECT_EQ(none.code, kExitBadInput);
+  EXPECT_NE(none.err.find("lies in polygon 7; the mesh has polygon(s) 9"), std::string::npos)
+      << none.err;
+  EXPECT_FALSE(std::filesystem::exists(Path("none.node")));
   const Ran watched = Remote(
       {"watch", "plate", "--region", "9", "--until", "1", "--json", "-o", Path("watched.node")});
   EXPECT_EQ(watched.code, kExitDone) << watched.err;

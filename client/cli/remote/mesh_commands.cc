@@ -8,6 +8,7 @@
 #include "client/cli/output.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/selection.h"
 #include "client/cli/words.h"
 #include "core/io/script/edit_script.h"
 
@@ -89,6 +90,16 @@ int RunExport(const NamedCommand& command) {
   }
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
+  if (!command.region.empty() && mesh->simplex_count() == 0) {
+    // Only the whole mesh says what there is.
+    const auto whole = (*client)->GetSnapshot(command.id);
+    if (!whole.ok()) return ReportError(whole.status());
+    Input nothing_known;
+    nothing_known.options = info->options;
+    const auto selection = Selection::Parse({false, command.region, ""}, nothing_known, false);
+    const auto part = selection.ok() ? selection->Of(*whole) : selection.status();
+    if (!part.ok()) return ReportError(part.status());
+  }
   WarnOfUnknownRegions(*region, *mesh);
   MeshLabels labels;
   labels.is_part = !command.region.empty();
