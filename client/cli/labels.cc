@@ -132,6 +132,7 @@ void LabelRegions(const std::vector<io::SeedRow>& regions, io::IndexedMesh& mesh
     if (row.more.empty()) continue;
     seeds.push_back(row.position);
     values.push_back(row.more.front());
+    if (!row.name.empty()) mesh.labels.value_names[values.back()] = row.name;
   }
   if (seeds.empty()) return;
   const Mesh rows = io::ToMesh(mesh);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -58,6 +59,7 @@ struct SeedRow {
   std::array<double, 3> position{};  // in 2D the third is 0
   std::vector<double> more;          // of a region: an attribute and a largest area, if present
   int line = 0;
+  std::string name = {};  // of the region, in a mesh with named groups
   friend bool operator==(const SeedRow&, const SeedRow&) = default;
 };
 

@@ -258,7 +258,10 @@ class FeatureMaker {
         for (const Point<D>& corner : corners) centre.c[k] += corner.c[k] / (D + 1);
       }
       SeedRow row = SeedAt(centre);
-      row.more = {static_cast<double>(simplices()[entry.second].marker)};
+      const std::int64_t marker = simplices()[entry.second].marker;
+      row.more = {static_cast<double>(marker)};
+      const auto name = mesh_.names.find({D, marker});
+      if (name != mesh_.names.end()) row.name = name->second;
       input_.regions.push_back(std::move(row));
     }
   }

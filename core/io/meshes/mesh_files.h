@@ -46,9 +46,10 @@ struct MeshFileOptions {
 
 // `path` is one of the files or their common stem. With .poly or .smesh as extension there is also
 // that file: without vertices, and with subsegments or subfacets as segments or facets. In 2D it is
-// for `triangle -rp`; in 3D for `tetgen -p`, and only the .node is beside it. Either all are written, or the former ones stay; UNAVAILABLE, naming the
-// file, if one cannot be written. Of a mesh with midpoints (order 2), .ele has them behind the
-// corners, in the order of Triangle or TetGen, and no hash is recorded.
+// for `triangle -rp`; in 3D for `tetgen -p`, and only the .node is beside it. Either all are
+// written, or the former ones stay; UNAVAILABLE, naming the file, if one cannot be written. Of a
+// mesh with midpoints (order 2), .ele has them behind the corners, in the order of Triangle or
+// TetGen, and no hash is recorded.
 absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path,
                             const MeshFileOptions& options = {});
 

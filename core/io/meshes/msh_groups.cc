@@ -58,8 +58,9 @@ void MshGroups::NumberRegions() {
   for (std::uint32_t region = 0; region <= mesh_.regions.count(); ++region) {
     group_of_region_.push_back(static_cast<int>(region) + 1);
   }
+  name_of_region_.resize(group_of_region_.size());
   const std::vector<double>& values = mesh_.labels.simplex_values;
-  if (!mesh_.labels.replace_ids || values.empty()) return;
+  if (values.empty()) return;
   // A region whose simplices all have the same attribute has it as number.
   std::vector<std::optional<double>> value_of(group_of_region_.size());
   std::vector<bool> is_mixed(group_of_region_.size(), false);
@@ -68,6 +69,12 @@ void MshGroups::NumberRegions() {
     if (!value_of[region]) value_of[region] = values[i];
     if (*value_of[region] != values[i]) is_mixed[region] = true;
   }
+  for (std::uint32_t region = 0; region < value_of.size(); ++region) {
+    if (!value_of[region] || is_mixed[region]) continue;
+    const auto name = mesh_.labels.value_names.find(*value_of[region]);
+    if (name != mesh_.labels.value_names.end()) name_of_region_[region] = Quotable(name->second);
+  }
+  if (!mesh_.labels.replace_ids) return;
   std::set<int> taken;
   std::vector<std::uint32_t> rest;
   for (std::uint32_t region = 0; region < group_of_region_.size(); ++region) {
@@ -94,6 +101,7 @@ std::string MshGroups::Name(int reference) const {
 }
 
 std::string MshGroups::NameOfRegion(std::uint32_t region) const {
+  if (!name_of_region_[region].empty()) return name_of_region_[region];
   if (region != 0 && mesh_.regions.polygons[region - 1].size() == 1) {
     const std::string name = Quotable(mesh_.labels.NameOf(mesh_.regions.polygons[region - 1][0]));
     if (!name.empty()) return name;

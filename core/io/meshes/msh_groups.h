@@ -1,7 +1,8 @@
 // The physical groups of a `.msh`: their numbers and names, from references, regions and labels.
 //
 // Features of one name are one group. If the labels replace ids, a group is a marker of the input
-// or the attribute of a region; what has the marker 0 is in no group. Immutable.
+// or the attribute of a region; what has the marker 0 is in no group.
+// Regions whose simplices have an attribute with a name have that name. Immutable.
 #ifndef DYNMESH_CORE_IO_MESHES_MSH_GROUPS_H_
 #define DYNMESH_CORE_IO_MESHES_MSH_GROUPS_H_
 
@@ -35,6 +36,7 @@ class MshGroups {
   const References& references_;
   std::vector<int> group_of_;  // by reference
   std::vector<int> group_of_region_;
+  std::vector<std::string> name_of_region_;  // of its attribute; empty: none
 };
 
 }  // namespace dynmesh::io

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,9 +26,10 @@ struct RowLabels {
   // without one have 1 on the border of the mesh, as in Triangle and TetGen, else 0. Empty if the
   // input has no markers, unless replace_ids.
   std::vector<std::int64_t> vertex_markers, edge_markers, face_markers;
-  std::size_t attributes = 0;          // of a vertex
-  std::vector<double> vertex_values;   // `attributes` each
-  std::vector<double> simplex_values;  // the attribute of a simplex's region
+  std::size_t attributes = 0;                 // of a vertex
+  std::vector<double> vertex_values;          // `attributes` each
+  std::map<double, std::string> value_names;  // of values below
+  std::vector<double> simplex_values;         // the attribute of a simplex's region
 
   // The name of a feature; empty if it has none.
   std::string NameOf(FeatureId id) const { return features ? features->NameOf(id) : ""; }

@@ -271,6 +271,30 @@ TEST_F(Labels, AreImported) {
   EXPECT_NE(folder_.Read("m.dynmesh").find("\nname 5 A   B\n"), std::string::npos);
 }
 
+TEST_F(Labels, NamesOfGroupsOfAMeshStay) {
+  folder_.Write("g.msh",
+                "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 7 \"Inlet\"\n"
+                "2 1 \"Lower\"\n2 2 \"Upper\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+                "3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n3\n1 1 2 7 1 1 2\n2 2 2 1 1 1 2 3\n"
+                "3 2 2 2 2 1 3 4\n$EndElements\n");
+  for (const std::string flags : {"--inside", "--refine", "--inside --markers input"}) {
+    ASSERT_EQ(Run("mesh g.msh " + flags + " -o m.msh").code, 0);
+    const std::string msh = folder_.Read("m.msh");
+    for (const char* name : {" \"Inlet\"\n", " \"Lower\"\n", " \"Upper\"\n"}) {
+      EXPECT_NE(msh.find(name), std::string::npos) << flags << name;
+    }
+  }
+  EXPECT_NE(folder_.Read("m.msh").find("2 1 \"Lower\"\n2 2 \"Upper\"\n"), std::string::npos);
+  // Features of one name are one group.
+  folder_.Write("s.dynmesh",
+                "mesh box=0,0,4,4\nadd point 1 0 0\nadd point 2 4 0\nadd point 3 4 4\n"
+                "add segment 4 1 2\nadd segment 5 2 3\nname 4 Wall\nname 5 Wall\n");
+  ASSERT_EQ(Run("mesh s.dynmesh -o w.msh").code, 0);
+  const std::string walls = folder_.Read("w.msh");
+  ASSERT_NE(walls.find("\"Wall\""), std::string::npos);
+  EXPECT_EQ(walls.find("\"Wall\""), walls.rfind("\"Wall\""));
+}
+
 TEST_F(Labels, ScriptsWithBadLabelsAreRefused) {
   for (const char* line :
        {"marker 1", "marker x 1", "marker 1 x", "marker 1 2 3", "name 1", "name x y", "name 0 y"}) {
