@@ -40,10 +40,17 @@ int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point
 //    since that of e is not.
 bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                  const Point3& e) {
-  std::array<const Point3*, 5> by_place = {&a, &b, &c, &d, &e};
-  std::sort(by_place.begin(), by_place.end(),
-            [](const Point3* p, const Point3* q) { return *q < *p; });
-  for (const Point3* p : by_place) {
+  // The points from the greatest down. Mostly the first decides, so they are not sorted.
+  const auto is_before = [](const Point3& p, const Point3& q) {
+    return p[0] != q[0] ? p[0] < q[0] : p[1] != q[1] ? p[1] < q[1] : p[2] < q[2];
+  };
+  std::array<const Point3*, 5> left = {&a, &b, &c, &d, &e};
+  for (std::size_t count = left.size(); count > 0; --count) {
+    std::size_t greatest = 0;
+    for (std::size_t i = 1; i < count; ++i)
+      greatest = is_before(*left[greatest], *left[i]) ? i : greatest;
+    const Point3* const p = left[greatest];
+    left[greatest] = left[count - 1];
     const int sign = p == &a   ? Orientation(e, b, c, d)
                      : p == &b ? Orientation(a, e, c, d)
                      : p == &c ? Orientation(a, b, e, d)

@@ -21,7 +21,7 @@ class BallLocation : public SimplexLists<D> {
   using Point = geometry::Point<D>;
 
   // As of VoronoiLocation.
-  BallLocation(const Kernel<D>& mesh, const std::vector<Point>& points) : Base(mesh, points) {}
+  BallLocation(const Kernel<D>& mesh, const Positions<D>& points) : Base(mesh, points) {}
   VertexIndex Assign(VertexIndex p, VertexIndex v);
   VertexIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
   void Inserting(const Point& p, SimplexIndex conflicting);

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/large_vector.h"
 #include "core/delaunay/bowyer_watson.h"
 #include "core/delaunay/number_table.h"
 #include "core/delaunay/triangulation_of.h"
@@ -23,6 +24,10 @@ using SimplexIndex = std::uint32_t;
 using SubsegmentIndex = std::uint32_t;
 using FacetIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+// Of vertices and uninserted points, by index.
+template <int D>
+using Positions = LargeVector<geometry::Point<D>>;
 
 template <int D>
 struct KernelOf {

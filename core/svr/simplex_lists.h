@@ -52,7 +52,7 @@ class SimplexLists {
     std::uint32_t next;
   };
 
-  SimplexLists(const Kernel<D>& mesh, const std::vector<Point>& points)
+  SimplexLists(const Kernel<D>& mesh, const Positions<D>& points)
       : mesh_(mesh), points_(points), near_(points.size(), kNone) {}
 
   // > 0 if q is on the side of s's inside of the plane through all its corners but `corner`.
@@ -157,7 +157,7 @@ class SimplexLists {
   }
 
   const Kernel<D>& mesh_;
-  const std::vector<Point>& points_;
+  const Positions<D>& points_;
   std::vector<VertexIndex> near_;     // by point: a vertex that is not far
   std::vector<std::uint32_t> first_;  // by simplex: the first entry of its list
   std::vector<Entry> entries_;

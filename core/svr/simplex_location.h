@@ -27,7 +27,7 @@ class SimplexLocation : public SimplexLists<D> {
   using Point = geometry::Point<D>;
 
   // As of VoronoiLocation.
-  SimplexLocation(const Kernel<D>& mesh, const std::vector<Point>& points) : Base(mesh, points) {}
+  SimplexLocation(const Kernel<D>& mesh, const Positions<D>& points) : Base(mesh, points) {}
   VertexIndex Assign(VertexIndex p, VertexIndex v);
   VertexIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
   void Inserting(const Point& p, SimplexIndex conflicting);

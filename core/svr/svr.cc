@@ -10,9 +10,9 @@ Svr<D, Input, Location>::Svr(const Options<D>& options, Input* input, Kernel<D>*
     : options_(options),
       input_(*input),
       mesh_(*mesh),
-      positions_(input->positions()),
       location_(mesh_, positions_),
       waiting_(positions_, options.lo, options.hi) {
+  for (const Point& p : input_.positions()) positions_.push_back(p);
   AddBorder();
   NearestSearch<D> nearest(mesh_, 0);
   for (const VertexIndex p : input_.Waiting()) {
@@ -73,7 +73,7 @@ bool Svr<D, Input, Location>::Stands(const Item& item) const {
 template <int D, class Input, class Location>
 bool Svr<D, Input, Location>::Next(Item* item) {
   do {
-    for (std::vector<Item>& work : work_) {
+    for (LargeVector<Item>& work : work_) {
       while (!work.empty()) {
         *item = work.back();
         work.pop_back();

@@ -82,7 +82,7 @@ class Svr {
   // Items of work that are known.
   std::size_t waiting() const {
     std::size_t sum = 0;
-    for (const std::vector<Item>& work : work_) sum += work.size();
+    for (const LargeVector<Item>& work : work_) sum += work.size();
     return sum;
   }
   const Counts& counts() const { return counts_; }
@@ -140,11 +140,11 @@ class Svr {
   const Options<D> options_;
   Input& input_;
   Kernel<D>& mesh_;
-  std::vector<Point> positions_;  // of all vertices and uninserted points
+  Positions<D> positions_;  // of all vertices and uninserted points
   Location location_;
   WaitingTree<D> waiting_;
   std::vector<bool> is_entered_;  // by vertex: it has an item as a crowded one
-  std::array<std::vector<Item>, kKinds> work_;
+  std::array<LargeVector<Item>, kKinds> work_;
   std::uint64_t serial_ = 0;
   StarWalk<D> star_;
   Counts counts_;

@@ -31,7 +31,7 @@ class VoronoiLocation {
 
   // Both must outlive this. `points`: positions by index, of vertices and of uninserted points. It
   // may grow.
-  VoronoiLocation(const Kernel<D>& mesh, const std::vector<Point>& points)
+  VoronoiLocation(const Kernel<D>& mesh, const Positions<D>& points)
       : mesh_(mesh), points_(points), next_(points.size(), kNone), owner_(points.size(), kNone) {}
 
   std::size_t left() const { return left_; }  // uninserted points
@@ -93,11 +93,11 @@ class VoronoiLocation {
   VertexIndex FindInCell(VertexIndex u, const Ball<D>& ball, double radius);
 
   const Kernel<D>& mesh_;
-  const std::vector<Point>& points_;
-  std::vector<VertexIndex> next_;     // in the shell's list
-  std::vector<VertexIndex> owner_;    // whose cell it is in
-  std::vector<std::uint32_t> cells_;  // by vertex: the outermost shell
-  std::vector<Shell> shells_;
+  const Positions<D>& points_;
+  LargeVector<VertexIndex> next_;     // in the shell's list
+  LargeVector<VertexIndex> owner_;    // whose cell it is in
+  LargeVector<std::uint32_t> cells_;  // by vertex: the outermost shell
+  LargeVector<Shell> shells_;
   std::vector<std::uint32_t> free_shells_;
   std::size_t left_ = 0;
   LocationCounts counts_;
@@ -105,7 +105,7 @@ class VoronoiLocation {
   // Of the current walk over simplices and vertices: the number of the last walk that met each. Of
   // vertices it is doubled, plus 1 if the cell may meet the ball.
   std::uint32_t walk_ = 0;
-  std::vector<std::uint32_t> simplex_walk_, vertex_walk_;
+  LargeVector<std::uint32_t> simplex_walk_, vertex_walk_;
   std::vector<SimplexIndex> stack_;
   // Vertices whose cells may meet the ball, and their squared distances from its centre.
   std::vector<std::pair<Point, double>> nearby_;
@@ -248,9 +248,10 @@ void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, bool was_waiting) {
       std::uint32_t outer = kNone, shell = cells_[u];
       while (shell != kNone && shells_[shell].outer2 > reach2) {
         VertexIndex kept = kNone, q = shells_[shell].first;
+        std::uint64_t looked_at = 0;
         while (q != kNone) {
           const VertexIndex next = next_[q];
-          ++counts_.looked_at;
+          ++looked_at;
           const double d2 = geometry::SquaredDistance(points_[q], at);
           if (d2 < geometry::SquaredDistance(points_[q], from)) {
             ++counts_.reassigned;
@@ -261,6 +262,7 @@ void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, bool was_waiting) {
           }
           q = next;
         }
+        counts_.looked_at += looked_at;
         shells_[shell].first = kept;
         const std::uint32_t next = shells_[shell].next;
         if (kept == kNone) {

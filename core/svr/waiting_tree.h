@@ -22,7 +22,7 @@ class WaitingTree {
   using Point = geometry::Point<D>;
 
   // `points`: positions by index; must outlive this. `lo`, `hi`: the cube that they are in.
-  WaitingTree(const std::vector<Point>& points, const Point& lo, const Point& hi)
+  WaitingTree(const Positions<D>& points, const Point& lo, const Point& hi)
       : points_(points), half_((hi[0] - lo[0]) / 2), nodes_(1) {
     for (int k = 0; k < D; ++k) middle_[k] = lo[k] + half_;
   }
@@ -64,10 +64,10 @@ class WaitingTree {
     node.all ^= p;
   }
 
-  const std::vector<Point>& points_;
+  const Positions<D>& points_;
   Point middle_;
   double half_;
-  std::vector<Node> nodes_;
+  LargeVector<Node> nodes_;
   std::vector<Cell> stack_;
 };
 

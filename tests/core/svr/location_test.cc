@@ -62,8 +62,8 @@ std::set<VertexIndex> VerticesOf(const Kernel<D>& mesh) {
 
 // `waiting`: the uninserted points.
 template <int D, class Location>
-void ExpectListed(const Kernel<D>& mesh, const Location& location,
-                  const std::vector<Point<D>>& points, const std::vector<VertexIndex>& waiting) {
+void ExpectListed(const Kernel<D>& mesh, const Location& location, const Positions<D>& points,
+                  const std::vector<VertexIndex>& waiting) {
   ASSERT_EQ(location.left(), waiting.size());
   const std::set<VertexIndex> vertices = VerticesOf<D>(mesh);
   for (const VertexIndex p : waiting) {
@@ -113,7 +113,7 @@ void ExpectListed(const Kernel<D>& mesh, const Location& location,
 }
 
 template <int D, class Location>
-void ExpectFound(const Kernel<D>& mesh, Location& location, const std::vector<Point<D>>& points,
+void ExpectFound(const Kernel<D>& mesh, Location& location, const Positions<D>& points,
                  const std::vector<VertexIndex>& waiting) {
   mesh.ForEachSimplex([&](SimplexIndex s) {
     const Ball<D> ball = BallOf(mesh, s);
@@ -189,7 +189,7 @@ TYPED_TEST(LocationTest, PointsAreListedAndFoundInAnyTriangulation) {
         for (int k = 0; k < D; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
       }
     }
-    std::vector<Point<D>> points;
+    Positions<D> points;
     std::array<VertexIndex, std::size_t{1} << D> corners;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       Point<D> p;
@@ -199,7 +199,7 @@ TYPED_TEST(LocationTest, PointsAreListedAndFoundInAnyTriangulation) {
     }
     if constexpr (D == 2) std::swap(points[2], points[3]);  // counter-clockwise
     std::erase_if(inner, [&](const Point<D>& p) { return std::ranges::count(points, p) != 0; });
-    points.insert(points.end(), inner.begin(), inner.end());
+    for (const Point<D>& p : inner) points.push_back(p);
 
     Kernel<D> mesh;
     mesh.Reset(lo, hi, corners);
