@@ -1,0 +1,44 @@
+#include "server/cluster/lease_keeper.h"
+
+#include <utility>
+
+#include "server/base/log.h"
+
+namespace dynmesh::server {
+
+LeaseKeeper::LeaseKeeper(std::chrono::nanoseconds ttl, Calls calls)
+    : period_(ttl / 3), calls_(std::move(calls)), reads_(ttl), thread_([this] { Run(); }) {}
+
+void LeaseKeeper::Run() {
+  bool failing = false;
+  std::unique_lock lock(mutex_);
+  while (!stopped_) {
+    lock.unlock();
+    const std::chrono::nanoseconds sent = BootTime();
+    const absl::Status renewed = calls_.renew();
+    if (renewed.ok()) reads_.Renewed(sent);
+    if (failing == renewed.ok()) {
+      failing = !failing;
+      Log(failing ? LogLevel::kWarning : LogLevel::kInfo,
+          failing ? "leases_not_renewed" : "leases_renewed_again", {{"error", renewed.message()}});
+    }
+    lock.lock();
+    stopping_.wait_for(lock, period_, [this] { return stopped_; });
+  }
+}
+
+void LeaseKeeper::Stop() {
+  reads_.End();
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(stopped_, true)) return;
+  }
+  stopping_.notify_all();
+  thread_.join();
+  if (const absl::Status s = calls_.give_up(); !s.ok()) {
+    // They run out by themselves.
+    Log(LogLevel::kWarning, "leases_not_given_up", {{"error", s.message()}});
+  }
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,40 @@
+#include "server/cluster/placement.h"
+
+namespace dynmesh::server {
+namespace {
+
+// FNV-1a.
+std::uint64_t Absorb(std::uint64_t hash, absl::string_view bytes) {
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+}  // namespace
+
+std::uint64_t PlacementWeight(absl::string_view node, absl::string_view mesh) {
+  // A zero byte, which no name has, keeps "ab" with "c" apart from "a" with "bc".
+  std::uint64_t hash = Absorb(0xcbf29ce484222325, node);
+  hash = Absorb(hash, absl::string_view("\0", 1));
+  hash = Absorb(hash, mesh);
+  // The high bits of FNV hardly depend on the last bytes; the comparison of weights is by these.
+  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
+  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
+  return hash ^ (hash >> 31);
+}
+
+std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
+                                      absl::string_view mesh) {
+  std::optional<std::size_t> best;
+  std::uint64_t best_weight = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::uint64_t weight = PlacementWeight(nodes[i], mesh);
+    if (!best.has_value() || weight > best_weight ||
+        (weight == best_weight && nodes[i] < nodes[*best])) {
+      best = i;
+      best_weight = weight;
+    }
+  }
+  return best;
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,114 @@
+#include "server/journal/postgres_leases.h"
+
+#include <algorithm>
+
+#include "server/journal/journal_errors.h"
+
+namespace dynmesh::server::postgres {
+namespace {
+
+constexpr char kMissing[] =
+    "SELECT to_regclass('dynmesh.nodes') IS NULL FROM pg_advisory_xact_lock(28273260616281960)";
+// A default that is constant: no row is rewritten.
+constexpr char kTables[] = R"(
+  CREATE TABLE dynmesh.nodes(
+    id TEXT COLLATE "C" PRIMARY KEY, address TEXT NOT NULL, seen TIMESTAMPTZ NOT NULL);
+  ALTER TABLE dynmesh.meshes ADD COLUMN lease_until TIMESTAMPTZ NOT NULL DEFAULT '-infinity';
+)";
+
+constexpr char kRenew[] = R"(
+WITH me AS (
+  INSERT INTO dynmesh.nodes(id, address, seen) VALUES($1::text, $2::text, clock_timestamp())
+  ON CONFLICT(id) DO UPDATE SET address = excluded.address, seen = clock_timestamp()),
+mine AS (
+  UPDATE dynmesh.meshes SET lease_until = clock_timestamp() + $3::bigint * interval '1 microsecond'
+  WHERE owner = $1::text AND lease_until > '-infinity' RETURNING key)
+SELECT key FROM mine ORDER BY key)";
+constexpr char kLive[] = R"(
+SELECT convert_to(id, 'UTF8'), convert_to(address, 'UTF8') FROM dynmesh.nodes
+WHERE seen > clock_timestamp() - $1::bigint * interval '1 microsecond' ORDER BY id)";
+// If a concurrent claim changed the row, the condition is evaluated again on what it left.
+constexpr char kClaimFree[] = R"(
+UPDATE dynmesh.meshes SET epoch = epoch + 1, owner = $2::text,
+  lease_until = clock_timestamp() + $3::bigint * interval '1 microsecond'
+WHERE key = $1::bigint AND (owner = $2::text OR lease_until <= clock_timestamp())
+RETURNING epoch, head, answers)";
+constexpr char kHolder[] = R"(
+SELECT convert_to(m.owner, 'UTF8'), convert_to(coalesce(n.address, ''), 'UTF8'), m.epoch,
+  CASE WHEN m.lease_until = '-infinity' THEN 0
+    ELSE (extract(epoch FROM m.lease_until - clock_timestamp()) * 1000000)::bigint END
+FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner WHERE m.key = $1::bigint)";
+constexpr char kGiveUp[] = R"(
+WITH gone AS (DELETE FROM dynmesh.nodes WHERE id = $1::text)
+UPDATE dynmesh.meshes SET lease_until = '-infinity' WHERE owner = $1::text)";
+
+absl::Status Add(Session& session) {
+  if (absl::Status s = session.Execute("BEGIN").status; !s.ok()) return s;
+  const Answer missing = session.Execute(kMissing);
+  if (!missing.status.ok()) return missing.status;
+  if (missing.rows[0][0].as<bool>()) {
+    if (absl::Status s = session.Execute(kTables).status; !s.ok()) return s;
+  }
+  return session.Execute("COMMIT").status;
+}
+
+}  // namespace
+
+absl::Status PrepareLeases(Session& session) {
+  absl::Status added = Add(session);
+  if (!added.ok()) session.Spoil();  // the transaction ends with the connection
+  return added;
+}
+
+absl::StatusOr<std::vector<std::int64_t>> RenewLeases(Session& session, const Node& node,
+                                                      absl::Duration ttl) {
+  const Answer answer =
+      session.Run(kRenew, node.id, node.address, std::int64_t{absl::ToInt64Microseconds(ttl)});
+  if (!answer.status.ok()) return answer.status;
+  std::vector<std::int64_t> meshes;
+  for (std::size_t i = 0; i < answer.size(); ++i) meshes.push_back(answer.Integer(i, 0));
+  return meshes;
+}
+
+absl::StatusOr<std::vector<Node>> LiveNodes(Session& session, absl::Duration ttl) {
+  const Answer answer = session.Run(kLive, std::int64_t{absl::ToInt64Microseconds(ttl)});
+  if (!answer.status.ok()) return answer.status;
+  std::vector<Node> nodes;
+  for (std::size_t i = 0; i < answer.size(); ++i) {
+    nodes.push_back({answer.Bytes(i, 0), answer.Bytes(i, 1)});
+  }
+  return nodes;
+}
+
+FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node,
+                    absl::Duration ttl) {
+  FreeClaim claim;
+  const Answer taken =
+      session.Run(kClaimFree, mesh, node, std::int64_t{absl::ToInt64Microseconds(ttl)});
+  claim.status = taken.status;
+  claim.unknown = taken.unknown;
+  if (!taken.status.ok()) return claim;
+  if (!taken.empty()) {
+    claim.belief = {taken.Integer(0, 0), taken.Integer(0, 1), taken.Integer(0, 2)};
+    return claim;
+  }
+  const Answer holder = session.Run(kHolder, mesh);
+  claim.status = holder.status;
+  if (!holder.status.ok()) return claim;
+  if (holder.empty()) {
+    claim.status = NoSuchMesh();
+    return claim;
+  }
+  claim.held = true;
+  // The lease may have ended between the statements: the next claim is granted then.
+  claim.holder = {{holder.Bytes(0, 0), holder.Bytes(0, 1)},
+                  holder.Integer(0, 2),
+                  absl::Microseconds(std::max<std::int64_t>(holder.Integer(0, 3), 1))};
+  return claim;
+}
+
+absl::Status GiveUpLeases(Session& session, const std::string& node) {
+  return session.Run(kGiveUp, node).status;
+}
+
+}  // namespace dynmesh::server::postgres

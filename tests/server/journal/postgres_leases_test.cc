@@ -1,0 +1,168 @@
+// Leases: when a server may claim a mesh that another one has. No test measures time: a lease is
+// long, or its end is set back in the database.
+#include "server/journal/postgres_leases.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/journal/postgres_target.h"
+#include "tests/server/journal/postgres_fixture.h"
+
+namespace dynmesh::server {
+namespace {
+
+using postgres::ClaimFree;
+using postgres::FreeClaim;
+using postgres::Node;
+using postgres::Session;
+
+constexpr absl::Duration kTtl = absl::Hours(1);
+
+class PostgresLeasesTest : public PostgresTest {
+ protected:
+  PostgresLeasesTest() { EXPECT_TRUE(postgres::PrepareLeases(*session_).ok()); }
+
+  std::unique_ptr<Session> Connect() {
+    const auto target = postgres::ParseTarget(server_.Url(database_));
+    auto session = Session::Connect(target->conninfo);
+    EXPECT_TRUE(session.ok()) << session.status();
+    return session.ok() ? *std::move(session) : nullptr;
+  }
+  // "epoch E", "held by NODE at ADDRESS, epoch E" or the error.
+  std::string Claim(const std::string& node) { return Claim(node, key_); }
+  std::string Claim(const std::string& node, std::int64_t mesh) {
+    const FreeClaim claim = ClaimFree(*session_, mesh, node, kTtl);
+    if (!claim.status.ok()) return std::string(absl::StatusCodeToString(claim.status.code()));
+    if (!claim.held) return absl::StrCat("epoch ", claim.belief.epoch);
+    EXPECT_GT(claim.holder.left, absl::ZeroDuration());
+    EXPECT_LE(claim.holder.left, kTtl);
+    return absl::StrCat("held by ", claim.holder.node.id, " at ", claim.holder.node.address,
+                        ", epoch ", claim.holder.epoch);
+  }
+  std::vector<std::int64_t> Renew(const Node& node) {
+    const auto renewed = postgres::RenewLeases(*session_, node, kTtl);
+    EXPECT_TRUE(renewed.ok()) << renewed.status();
+    return renewed.value_or(std::vector<std::int64_t>{-1});
+  }
+  std::string Live() {
+    const auto nodes = postgres::LiveNodes(*session_, kTtl);
+    EXPECT_TRUE(nodes.ok()) << nodes.status();
+    std::string live;
+    for (const Node& node : *nodes) absl::StrAppend(&live, node.id, "@", node.address, " ");
+    return live;
+  }
+  void EndLeases() {
+    Sql("UPDATE dynmesh.meshes SET lease_until = clock_timestamp() - interval '1 second'");
+  }
+
+  const JournalPtr journal_ = Open();
+  const Journal::Key key_ = *journal_->Create("m", "");
+  const std::unique_ptr<Session> session_ = Connect();
+};
+
+TEST_F(PostgresLeasesTest, AMeshWithoutALeaseIsFree) { EXPECT_EQ(Claim("a"), "epoch 2"); }
+
+TEST_F(PostgresLeasesTest, AHeldMeshIsNotClaimedAndItsHolderIsNamed) {
+  Renew({"a", "host-a:1"});
+  EXPECT_EQ(Claim("a"), "epoch 2");
+  EXPECT_EQ(Claim("b"), "held by a at host-a:1, epoch 2");
+  EXPECT_EQ(Claim("a"), "epoch 3") << "a node can claim what it has";
+  EXPECT_EQ(Claim("b"), "held by a at host-a:1, epoch 3");
+}
+
+TEST_F(PostgresLeasesTest, AMeshWhoseLeaseRanOutIsClaimedAndItsOldOwnerRenewsNothing) {
+  EXPECT_EQ(Claim("a"), "epoch 2");
+  EndLeases();
+  EXPECT_EQ(Claim("b"), "epoch 3");
+  EXPECT_EQ(Renew({"a", ""}), std::vector<std::int64_t>{});
+  EXPECT_EQ(Claim("a"), "held by b at , epoch 3");
+}
+
+TEST_F(PostgresLeasesTest, ARenewalReachesAllMeshesOfItsNodeAndNoOthers) {
+  const Journal::Key second = *journal_->Create("n", ""), third = *journal_->Create("o", "");
+  Claim("a");
+  Claim("a", second);
+  Claim("b", third);
+  EndLeases();
+  EXPECT_EQ(Renew({"a", ""}), (std::vector<std::int64_t>{key_, second}));
+  EXPECT_EQ(Claim("c"), "held by a at , epoch 2");
+  EXPECT_EQ(Claim("c", second), "held by a at , epoch 2");
+  EXPECT_EQ(Claim("c", third), "epoch 3");
+}
+
+TEST_F(PostgresLeasesTest, WhatWasGivenUpIsFreeAtOnceAndNotRenewed) {
+  Renew({"a", "host-a:1"});
+  Claim("a");
+  ASSERT_TRUE(postgres::GiveUpLeases(*session_, "a").ok());
+  EXPECT_EQ(Live(), "");
+  EXPECT_EQ(Renew({"a", "host-a:1"}), std::vector<std::int64_t>{});
+  EXPECT_EQ(Claim("b"), "epoch 3");
+}
+
+TEST_F(PostgresLeasesTest, NodesAreLiveWhileTheyRenew) {
+  Renew({"b", "host-b:1"});
+  Renew({"a", "host-a:1"});
+  Renew({"a", "host-a:2"});
+  EXPECT_EQ(Live(), "a@host-a:2 b@host-b:1 ");
+  Sql("UPDATE dynmesh.nodes SET seen = seen - interval '61 minutes' WHERE id = 'a'");
+  EXPECT_EQ(Live(), "b@host-b:1 ");
+}
+
+TEST_F(PostgresLeasesTest, AMeshThatDoesNotExistIsNotFound) {
+  EXPECT_EQ(Claim("a", key_ + 1), "NOT_FOUND");
+}
+
+// The epoch fences the journal of a server that knows no leases, too.
+TEST_F(PostgresLeasesTest, AClaimFencesTheJournalThatHadTheMesh) {
+  using Entry = Journal::Entry;
+  ASSERT_TRUE(journal_->Append(key_, Entry{1, "x"}, std::nullopt).ok());
+  const FreeClaim claim = ClaimFree(*session_, key_, "a", kTtl);
+  ASSERT_TRUE(claim.status.ok()) << claim.status;
+  EXPECT_EQ(claim.belief.head, 1);
+  EXPECT_EQ(OutcomeOf(journal_->Append(key_, Entry{2, "y"}, std::nullopt)), AppendOutcome::kFenced);
+}
+
+TEST_F(PostgresLeasesTest, OfManyClaimsAtOnceOneIsGranted) {
+  constexpr int kThreads = 6, kRounds = 20;
+  std::vector<std::unique_ptr<Session>> sessions;
+  for (int i = 0; i < kThreads; ++i) sessions.push_back(Connect());
+  for (int round = 0; round < kRounds; ++round) {
+    EndLeases();
+    std::atomic<int> granted{0}, held{0};
+    std::vector<std::thread> threads;
+    for (int i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&, i] {
+        // Names are new in each round: an owner may claim what it has.
+        const FreeClaim claim = ClaimFree(*sessions[i], key_, absl::StrCat(round, "-", i), kTtl);
+        EXPECT_TRUE(claim.status.ok()) << claim.status;
+        ++(claim.held ? held : granted);
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(granted, 1);
+    EXPECT_EQ(held, kThreads - 1);
+  }
+  EXPECT_EQ(Sql("SELECT epoch FROM dynmesh.meshes"), absl::StrCat(kRounds + 1));
+}
+
+TEST_F(PostgresLeasesTest, TheAdditionsAreMadeOnceByServersThatStartTogether) {
+  Sql("DROP TABLE dynmesh.nodes; ALTER TABLE dynmesh.meshes DROP COLUMN lease_until");
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 6; ++i) {
+    threads.emplace_back([session = Connect()] {
+      const absl::Status prepared = postgres::PrepareLeases(*session);
+      EXPECT_TRUE(prepared.ok()) << prepared;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(Claim("a"), "epoch 2");
+}
+
+}  // namespace
+}  // namespace dynmesh::server
