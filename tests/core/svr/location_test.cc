@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <random>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,7 +63,7 @@ std::set<VertexIndex> VerticesOf(const Kernel<D>& mesh) {
 
 // `waiting`: the uninserted points.
 template <int D, class Location>
-void ExpectListed(const Kernel<D>& mesh, const Location& location, const Positions<D>& points,
+void ExpectListed(const Kernel<D>& mesh, const Location& location, std::span<const Point<D>> points,
                   const std::vector<VertexIndex>& waiting) {
   ASSERT_EQ(location.left(), waiting.size());
   const std::set<VertexIndex> vertices = VerticesOf<D>(mesh);
@@ -113,7 +114,7 @@ void ExpectListed(const Kernel<D>& mesh, const Location& location, const Positio
 }
 
 template <int D, class Location>
-void ExpectFound(const Kernel<D>& mesh, Location& location, const Positions<D>& points,
+void ExpectFound(const Kernel<D>& mesh, Location& location, std::span<const Point<D>> points,
                  const std::vector<VertexIndex>& waiting) {
   mesh.ForEachSimplex([&](SimplexIndex s) {
     const Ball<D> ball = BallOf(mesh, s);
