@@ -19,6 +19,7 @@
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/open_sends.h"
+#include "server/calls/shared_events.h"
 #include "server/config/config.h"
 #include "server/meshes/build_pool.h"
 #include "server/meshes/mesh_registry.h"
@@ -64,6 +65,7 @@ struct ServiceContext {
   ClientQuotas client_streams;
   Quota pending_edits;
   OpenSends sends;
+  SharedEvents events;  // of all watches
 };
 
 // UNAVAILABLE (DRAINING), with the time after which to retry with another server.

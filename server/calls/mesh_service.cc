@@ -430,8 +430,8 @@ MeshServiceImpl::LoadFeatures(grpc::CallbackServerContext* call) {
   return StartLoadCall(context_, streams_, Admit(call), call);
 }
 
-grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext* call,
-                                                                 const v1::WatchRequest* request) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshServiceImpl::Watch(
+    grpc::CallbackServerContext* call, const v1::WatchRequest* request) {
   return StartWatchCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 

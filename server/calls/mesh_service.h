@@ -71,8 +71,8 @@ class MeshServiceImpl final : public grpc::Service {
       grpc::CallbackServerContext* call);
   grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>*
   LoadFeatures(grpc::CallbackServerContext* call);
-  grpc::ServerWriteReactor<v1::WatchEvent>* Watch(grpc::CallbackServerContext* call,
-                                                  const v1::WatchRequest* request);
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* Watch(grpc::CallbackServerContext* call,
+                                                    const v1::WatchRequest* request);
   grpc::ServerWriteReactor<v1::SnapshotChunk>* GetSnapshot(grpc::CallbackServerContext* call,
                                                            const v1::GetSnapshotRequest* request);
   grpc::ServerWriteReactor<v1::FeaturesChunk>* GetFeatures(grpc::CallbackServerContext* call,

@@ -12,6 +12,7 @@
 #include "server/base/log.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
+#include "server/calls/shared_events.h"
 #include "server/meshes/watch_filter.h"
 
 namespace dynmesh::server {
@@ -23,7 +24,7 @@ constexpr std::size_t kFragmentBytes = 64'000;
 
 // Exactly one party drives the call at a time. Pump hands it to the hub (idle), to the pool (work)
 // or to gRPC (a write), so no lock is needed.
-class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
+class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  public:
   static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request,
                           const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
@@ -45,6 +46,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   void OnSendInitialMetadataDone(bool ok) override { Continue(ok); }
   void OnWriteDone(bool ok) override {
     sender_.Done();
+    bytes_.Clear();
     // Clear keeps a message's memory, so after a diff of many fragments the message is replaced.
     if (std::exchange(was_last_of_many_, false)) event_ = v1::WatchEvent();
     Continue(ok);
@@ -120,7 +122,11 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
       snapshot_.emplace(std::move(*mesh), kFragmentBytes);
     } else if (auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
-      diff_.emplace(std::move(*diff), /*omit_columns=*/false, kFragmentBytes);
+      // A filtered diff is this watch's own.
+      if (!filter_.has_value()) shared_ = context_->events.Find(*diff, kFragmentBytes);
+      if (shared_ == nullptr) {
+        diff_.emplace(std::move(*diff), /*omit_columns=*/false, kFragmentBytes);
+      }
     } else if (const auto* head = std::get_if<Head>(&item)) {
       event_.mutable_progress()->set_revision(head->revision);
       event_.mutable_progress()->set_hash(head->hash.ToHex());
@@ -150,6 +156,15 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
 
   // False if no mesh or diff is being sent.
   bool SendFragment() {
+    if (shared_ != nullptr) {
+      bytes_ = (*shared_)[next_shared_];
+      if (++next_shared_ == shared_->size()) {
+        next_shared_ = 0;
+        shared_.reset();
+      }
+      WriteBytes();
+      return true;
+    }
     if (snapshot_.has_value() && snapshot_->Next(event_.mutable_snapshot())) {
       if (snapshot_->done()) {
         was_last_of_many_ = true;
@@ -172,8 +187,12 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   }
 
   void Write() {
+    bytes_ = EncodeEvent(event_);
+    WriteBytes();
+  }
+  void WriteBytes() {
     sender_.Begin();
-    StartWrite(&event_);
+    StartWrite(&bytes_);
   }
 
   std::shared_ptr<WatchCall> self_;  // until OnDone
@@ -187,17 +206,20 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   Lease snapshot_lease_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;
+  std::shared_ptr<const SharedEvents::Events> shared_;  // the diff being sent, if watches share it
+  std::size_t next_shared_ = 0;
   v1::WatchEvent event_;
+  grpc::ByteBuffer bytes_;         // the message being sent
   bool is_of_many_ = false;        // the diff being sent has more than one fragment
   bool was_last_of_many_ = false;  // event_ holds the last of several fragments
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
-                                                         const v1::WatchRequest& request,
-                                                         const absl::StatusOr<Pass>& pass,
-                                                         grpc::CallbackServerContext* rpc) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* StartWatchCall(ServiceContext& context,
+                                                           const v1::WatchRequest& request,
+                                                           const absl::StatusOr<Pass>& pass,
+                                                           grpc::CallbackServerContext* rpc) {
   return WatchCall::Start(context, request, pass, rpc);
 }
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -22,6 +23,7 @@
 #include "server/base/log.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
+#include "tests/e2e/raw_watchers.h"
 
 namespace dynmesh {
 namespace {
@@ -35,11 +37,12 @@ constexpr char kHelp[] =
     "POINTS is the size of the mesh to work on, 1 to 10000000 (default 20000).\n"
     "With a journal: --data-dir for the server in this process, or a server that has one.\n"
     "PARTs are overhead, edits, stream, requests (edits and stream with and without request ids,\n"
-    "in turn), watchers, silent and snapshot (default all).\n"
+    "in turn), watchers, fanout (200 watchers that read bytes and hold no mesh), silent and\n"
+    "snapshot (default all).\n"
     "An edit adds a point anywhere or removes one added before; one a batch.\n";
 constexpr std::size_t kMostPoints = 10'000'000;
-constexpr std::array<std::string_view, 7> kParts = {"overhead", "edits",  "stream",  "requests",
-                                                    "watchers", "silent", "snapshot"};
+constexpr std::array<std::string_view, 8> kParts = {"overhead", "edits",  "stream", "requests",
+                                                    "watchers", "fanout", "silent", "snapshot"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -91,6 +94,10 @@ class Load {
       StreamWithWatchers(1);
       // A replica takes about 300 bytes a vertex; all are in this process.
       StreamWithWatchers(static_cast<int>(std::clamp<std::size_t>(6'000'000 / points_, 2, 200)));
+    }
+    if (wants("fanout")) {
+      Fanout("EditStream", 4'000, [this](int n) { return StreamEdits(n); });
+      Fanout("ApplyEdits", 1'000, [this](int n) { return CallEdits(n); });
     }
     if (wants("silent")) SilentWatcher();
     if (wants("snapshot")) Snapshot();
@@ -223,6 +230,39 @@ class Load {
         "EditStream with %d watchers: %.0f edits/s; all caught up %.0f ms after the last; "
         "%d of %d end with the server's hash, %d snapshots after the first\n",
         count, rate, Microseconds(Clock::now() - start) / 1000, equal, count, resyncs);
+  }
+
+  double CallEdits(int count) {
+    const auto start = Clock::now();
+    for (int i = 0; i < count; ++i) Check(client_->Apply("m", {RandomEdit()}).status());
+    return count / (Microseconds(Clock::now() - start) * 1e-6);
+  }
+
+  // Rates until the last answer, and until every watcher has the last revision.
+  void Fanout(const char* name, int edits, const std::function<double(int)>& edit) {
+    constexpr int kWatchers = 200, kRuns = 3;
+    std::vector<double> answered, received;
+    double messages = 0;
+    for (int run = 0; run < kRuns; ++run) {
+      const auto before = client_->GetMesh("m");
+      Check(before.status());
+      test::RawWatchers watchers(address_, "m", before->revision, kWatchers);
+      if (!watchers.WaitForOpen()) Check(absl::DeadlineExceededError("the watches do not begin"));
+      const auto start = Clock::now();
+      answered.push_back(edit(edits));
+      const auto info = client_->GetMesh("m");
+      Check(info.status());
+      if (!watchers.WaitFor(info->revision)) {
+        Check(absl::DeadlineExceededError("a watcher has not received the last revision"));
+      }
+      received.push_back(edits / (Microseconds(Clock::now() - start) * 1e-6));
+      messages += static_cast<double>(watchers.messages());
+    }
+    std::printf(
+        "%s with %d watchers that hold no mesh: %.0f edits/s answered, %.0f edits/s received by "
+        "all; %.2f messages per edit and watcher\n",
+        name, kWatchers, Percentile(answered, 0.5), Percentile(received, 0.5),
+        messages / kRuns / kWatchers / edits);
   }
 
   // A watcher that takes a message, then none for 10 s, then the rest.
