@@ -40,7 +40,8 @@ int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point
 //    since that of e is not.
 bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                  const Point3& e) {
-  // The points from the greatest down. Mostly the first decides, so they are not sorted.
+  // The points from the greatest down. Mostly the first decides, so they are not sorted. Equal ones
+  // stay in this order.
   const auto is_before = [](const Point3& p, const Point3& q) {
     return p[0] != q[0] ? p[0] < q[0] : p[1] != q[1] ? p[1] < q[1] : p[2] < q[2];
   };
@@ -50,7 +51,7 @@ bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3
     for (std::size_t i = 1; i < count; ++i)
       greatest = is_before(*left[greatest], *left[i]) ? i : greatest;
     const Point3* const p = left[greatest];
-    left[greatest] = left[count - 1];
+    std::copy(left.begin() + greatest + 1, left.begin() + count, left.begin() + greatest);
     const int sign = p == &a   ? Orientation(e, b, c, d)
                      : p == &b ? Orientation(a, e, c, d)
                      : p == &c ? Orientation(a, b, e, d)
