@@ -202,6 +202,7 @@ absl::StatusOr<std::vector<XmlTag>> ParseXmlTags(const std::string& name, std::s
       return TextReader::ErrorAt(name, line, "a tag whose attributes are no NAME=\"VALUE\"");
     }
     tag.text = text.substr(end + 1, text.find('<', end) - end - 1);
+    at = end;
   }
   return tags;
 }

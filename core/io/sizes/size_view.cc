@@ -107,6 +107,14 @@ class ViewSizes {
 
   void Add(const SizeElement& e) {
     if (features_.size() > kMostSizes) return;
+    // Parts of it outside are never cut.
+    for (std::size_t k = 0; k < d_; ++k) {
+      const auto in_k = [k](const auto& corner) { return corner[k]; };
+      if (std::ranges::max(e.corners, {}, in_k)[k] < within_.lo[k] ||
+          std::ranges::min(e.corners, {}, in_k)[k] > within_.hi[k]) {
+        return;
+      }
+    }
     double least = HUGE_VAL;
     for (const double value : e.values) {
       if (!(value > 0)) return;

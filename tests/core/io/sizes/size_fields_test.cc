@@ -116,6 +116,16 @@ TEST(SizeView, GivesNoPlaceMoreThanTheLinearLength) {
   EXPECT_EQ(TargetAt(*sizes, {7, 7, 0}, 2), .125);
 }
 
+// Cut to its lengths this line would have 10^12 parts.
+TEST(SizeView, DoesNotCutWhatIsOutsideTheBox) {
+  const auto view =
+      ParsePos("a.pos", "View \"\" {SL(100,100,0,1000,1000,0){1e-9,1e-9};SP(1,1,0){.5};};\n");
+  ASSERT_TRUE(view.ok()) << view.status();
+  const auto sizes = SizesOf(*view, Options(2, 8).box, 1, 2);
+  ASSERT_TRUE(sizes.ok());
+  EXPECT_EQ(*sizes, std::vector<Feature>{Feature::SizeAt(1, 1, 1, .5)});
+}
+
 TEST(SizeView, OfAnMtrIsOfPointsOrOfAMeshOfItsOwn) {
   const TempFolder folder;
   const std::vector<Feature> input = {Feature::Point(1, 1, 1), Feature::Point(2, 5, 5),
