@@ -42,14 +42,10 @@ bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3
                  const Point3& e) {
   // The points from the greatest down. Mostly the first decides, so they are not sorted. Equal ones
   // stay in this order.
-  const auto is_before = [](const Point3& p, const Point3& q) {
-    return p[0] != q[0] ? p[0] < q[0] : p[1] != q[1] ? p[1] < q[1] : p[2] < q[2];
-  };
   std::array<const Point3*, 5> left = {&a, &b, &c, &d, &e};
   for (std::size_t count = left.size(); count > 0; --count) {
     std::size_t greatest = 0;
-    for (std::size_t i = 1; i < count; ++i)
-      greatest = is_before(*left[greatest], *left[i]) ? i : greatest;
+    for (std::size_t i = 1; i < count; ++i) greatest = *left[greatest] < *left[i] ? i : greatest;
     const Point3* const p = left[greatest];
     std::copy(left.begin() + greatest + 1, left.begin() + count, left.begin() + greatest);
     const int sign = p == &a   ? Orientation(e, b, c, d)
