@@ -224,7 +224,11 @@ void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
       file.features.push_back(
           Feature::SizePolygon(++next_id, {std::move(ring)}, TargetOfArea(mesh.limits[i])));
     } else {
-      const InscribedBall ball = InscribedBallOf(mesh, i);
+      transfer::Corners<3> corners;
+      for (std::size_t k = 0; k < 4; ++k) {
+        corners[k] = mesh.positions[mesh.tetrahedra[i].corners[k]];
+      }
+      const InscribedBall ball = InscribedBallOf(corners);
       file.features.push_back(
           Feature::Size(++next_id, ball.centre,
                         {SizeShape::kDisc, TargetOfVolume(mesh.limits[i]), ball.radius, {}}));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -35,18 +34,6 @@ absl::StatusOr<std::vector<double>> LimitsOf(const Mesh& mesh, const mesh_data::
   return limits;
 }
 
-double VolumeOf(const io::ElementMesh& tetrahedron) {
-  const auto& p = tetrahedron.positions;
-  std::array<std::array<double, 3>, 3> e;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) e[i][k] = p[i + 1][k] - p[0][k];
-  }
-  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-          e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-         6;
-}
-
 }  // namespace
 
 absl::StatusOr<Mesh> BuildWithinVolumes(const std::function<absl::StatusOr<Mesh>()>& build,
@@ -66,19 +53,17 @@ absl::StatusOr<Mesh> BuildWithinVolumes(const std::function<absl::StatusOr<Mesh>
     absl::flat_hash_map<VertexId, std::size_t> row_of;
     for (std::size_t i = 0; i < mesh->vertices.size(); ++i)
       row_of.emplace(mesh->vertices.ids[i], i);
-    io::ElementMesh tetrahedron;
-    tetrahedron.positions.resize(4);
-    tetrahedron.tetrahedra = {{{0, 1, 2, 3}, 0, 0}};
     std::size_t added = 0;
     for (std::size_t i = 0; i < mesh->simplex_count(); ++i) {
       const double limit = (*limits)[chambers.of[i]];
       if (limit == 0) continue;
+      transfer::Corners<3> corners;
       for (std::size_t k = 0; k < 4; ++k) {
         const std::size_t row = row_of.at(mesh->simplices[4 * i + k]);
-        std::copy_n(&mesh->vertices.coordinates[3 * row], 3, tetrahedron.positions[k].begin());
+        std::copy_n(&mesh->vertices.coordinates[3 * row], 3, corners[k].begin());
       }
-      if (VolumeOf(tetrahedron) <= limit) continue;
-      const InscribedBall ball = InscribedBallOf(tetrahedron, 0);
+      if (transfer::Measure<3>(corners) <= limit) continue;
+      const InscribedBall ball = InscribedBallOf(corners);
       input.features.push_back(Feature::Size(
           ++next_id, ball.centre, {SizeShape::kDisc, TargetOfVolume(limit), ball.radius, {}}));
       ++added;

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/io/elements/element_mesh.h"
+#include "core/transfer/simplex.h"
 
 namespace dynmesh::cli {
 
@@ -22,33 +22,25 @@ inline double TargetOfArea(double area) {
 }
 inline double TargetOfVolume(double volume) { return kBelowLimit * std::cbrt(3 * volume); }
 
-// The ball that touches the sides of tetrahedron i. Its radius is 0 if the tetrahedron is flat.
+// The ball that touches the sides of a tetrahedron. Its radius is 0 if the tetrahedron is flat.
 struct InscribedBall {
   std::array<double, 3> centre;
   double radius;
 };
-inline InscribedBall InscribedBallOf(const io::ElementMesh& mesh, std::size_t i) {
-  using Vec = std::array<double, 3>;
-  std::array<Vec, 4> p;
-  for (std::size_t k = 0; k < 4; ++k) p[k] = mesh.positions[mesh.tetrahedra[i].corners[k]];
-  const auto minus = [](const Vec& a, const Vec& b) {
-    return Vec{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  };
-  const auto cross = [](const Vec& a, const Vec& b) {
-    return Vec{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
+inline InscribedBall InscribedBallOf(const transfer::Corners<3>& p) {
+  using transfer::operator-;
+  using transfer::Cross;
   InscribedBall ball = {{0, 0, 0}, 0};
   double areas = 0;  // twice those of the sides
   for (std::size_t k = 0; k < 4; ++k) {
-    const Vec n =
-        cross(minus(p[(k + 2) % 4], p[(k + 1) % 4]), minus(p[(k + 3) % 4], p[(k + 1) % 4]));
+    const transfer::Vec<3>& q = p[(k + 1) % 4];
+    const transfer::Vec<3> n = Cross(p[(k + 2) % 4] - q, p[(k + 3) % 4] - q);
     const double area = std::hypot(n[0], n[1], n[2]);
     areas += area;
     for (std::size_t d = 0; d < 3; ++d) ball.centre[d] += area * p[k][d];
   }
   for (double& c : ball.centre) c /= areas;
-  const Vec u = minus(p[1], p[0]), n = cross(minus(p[2], p[0]), minus(p[3], p[0]));
-  ball.radius = std::abs(u[0] * n[0] + u[1] * n[1] + u[2] * n[2]) / areas;
+  ball.radius = std::abs(transfer::ScaledMeasure(p)) / areas;
   return ball;
 }
 

@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/verify/verify.h"
+#include "core/base/union_find.h"
 
 namespace dynmesh::cli {
 
@@ -29,22 +29,6 @@ class Findings {
  private:
   static constexpr std::uint64_t kMostExamples = 5;
   VerifyCheck check_;
-};
-
-// Disjoint sets of 0 .. n - 1.
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t Find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Unite(std::size_t i, std::size_t j) { parent_[Find(i)] = Find(j); }
-
- private:
-  std::vector<std::size_t> parent_;
 };
 
 // An edge of the mesh's simplices.

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/union_find.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/io/elements/element_mesh.h"
 #include "core/mesh_data/point_location.h"
@@ -18,25 +18,6 @@ using geometry::Point;
 
 template <int D>
 using Side = std::array<std::uint32_t, D>;
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t Find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The lesser one stays.
-  void Unite(std::size_t i, std::size_t j) {
-    i = Find(i), j = Find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 template <int D>
 class FeatureMaker {

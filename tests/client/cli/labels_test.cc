@@ -13,6 +13,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
+#include "tests/support/number_rows.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -27,14 +28,7 @@ constexpr char kPlate[] =
 
 // Rows of numbers, without comments and the header.
 std::vector<std::vector<double>> Rows(const std::string& text) {
-  std::vector<std::vector<double>> rows;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::vector<double>& row = rows.emplace_back();
-    std::istringstream numbers(line);
-    for (double x = 0; numbers >> x;) row.push_back(x);
-  }
+  std::vector<std::vector<double>> rows = test::NumberRows(text);
   rows.erase(rows.begin());
   return rows;
 }

@@ -16,29 +16,18 @@
 #include "tests/core/io/common/vtu_values.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
 #include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/number_rows.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::NumberRows;
 using test::TempFolder;
 
 std::vector<IndexedMesh> Meshes() {
   return {IndexMesh(testing::SampleMesh()).value(),
           IndexMesh(testing::MakeGoodSpaceMesh(5, 30).mesh).value()};
-}
-
-// The numbers of each row but comments.
-std::vector<std::vector<double>> Rows(const std::string& text) {
-  std::vector<std::vector<double>> rows;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::vector<double>& row = rows.emplace_back();
-    std::istringstream numbers(line);
-    for (double x = 0; numbers >> x;) row.push_back(x);
-  }
-  return rows;
 }
 
 std::vector<std::set<std::uint32_t>> CornersOf(const IndexedMesh& mesh) {
@@ -54,8 +43,8 @@ TEST(Neighbours, AreAcrossTheSidesOppositeToCorners) {
     options.neighbours = true;
     options.from_zero = mesh.dimension == 3;
     ASSERT_TRUE(WriteMeshFiles(mesh, folder.Path("m.node"), options).ok());
-    const auto rows = Rows(folder.Read("m.neigh"));
-    const auto simplices = Rows(folder.Read("m.ele"));
+    const auto rows = NumberRows(folder.Read("m.neigh"));
+    const auto simplices = NumberRows(folder.Read("m.ele"));
     const auto base = static_cast<double>(options.base());
     const std::size_t width = static_cast<std::size_t>(mesh.dimension) + 1;
     ASSERT_EQ(rows[0], (std::vector<double>{static_cast<double>(mesh.simplex_count()),
@@ -85,8 +74,8 @@ TEST(Voronoi, NodesAreEquidistantAndEdgesJoinThoseOfNeighbours) {
     MeshFileOptions options;
     options.voronoi = options.neighbours = true;
     ASSERT_TRUE(WriteMeshFiles(mesh, folder.Path("m"), options).ok());
-    const auto nodes = Rows(folder.Read("m.v.node"));
-    const auto edges = Rows(folder.Read("m.v.edge"));
+    const auto nodes = NumberRows(folder.Read("m.v.node"));
+    const auto edges = NumberRows(folder.Read("m.v.edge"));
     const auto d = static_cast<std::size_t>(mesh.dimension);
     const auto corners = CornersOf(mesh);
     ASSERT_EQ(nodes.size(), corners.size() + 1);
@@ -112,7 +101,7 @@ TEST(Voronoi, NodesAreEquidistantAndEdgesJoinThoseOfNeighbours) {
       }
     }
     std::size_t border = 0;
-    const auto neighbours = Rows(folder.Read("m.neigh"));
+    const auto neighbours = NumberRows(folder.Read("m.neigh"));
     for (std::size_t i = 1; i < neighbours.size(); ++i) {
       for (std::size_t k = 1; k < neighbours[i].size(); ++k) {
         if (neighbours[i][k] < 0) {
@@ -161,7 +150,7 @@ TEST(MeshFiles, NumberedFromZeroAreReadAsTheSame) {
     options.min_dihedral = 5;
     options.is_part = true;
     ASSERT_TRUE(WriteMeshFiles(mesh, folder.Path("m.node"), options).ok());
-    EXPECT_EQ(Rows(folder.Read("m.node"))[1][0], 0);
+    EXPECT_EQ(NumberRows(folder.Read("m.node"))[1][0], 0);
     const auto files = ReadMeshFiles(folder.Path("m.node"));
     ASSERT_TRUE(files.ok()) << files.status();
     EXPECT_EQ(files->mesh.vertices, mesh.vertices);
@@ -202,7 +191,7 @@ TEST(OrderTwo, HasMiddlesOfEdgesInTheOrderOfEachFormat) {
     using Edges = std::vector<std::pair<std::size_t, std::size_t>>;
     const Edges triangle = {{1, 2}, {2, 0}, {0, 1}};
     const Edges tetgen = {{2, 3}, {0, 3}, {0, 1}, {1, 2}, {1, 3}, {0, 2}};
-    const auto rows = Rows(folder.Read("m.ele"));
+    const auto rows = NumberRows(folder.Read("m.ele"));
     for (std::size_t i = 1; i < rows.size(); ++i) {
       ASSERT_EQ(rows[i].size(), 1 + width);
       std::vector<std::uint32_t> nodes;
