@@ -29,13 +29,13 @@ class LeafIds {
   }
   VertexId IdOf(const quadtree::Cell<D>& leaf) const { return IdAt(grid_.CentreOf(leaf)); }
 
-  void Add(const quadtree::Cell<D>& leaf) {
-    const auto centre = grid_.CentreOf(leaf);
-    Add(centre, IdAt(centre));
-  }
-  // Adds all leaves, and their rows to `vertices`.
+  // Adds all leaves, and their rows to `vertices`, which is empty.
   void AddAll(const std::vector<quadtree::Cell<D>>& leaves, VertexColumns& vertices) {
     ids_.reserve(ids_.size() + leaves.size());
+    vertices.ids.reserve(leaves.size());
+    vertices.coordinates.reserve(leaves.size() * D);
+    vertices.containing_dimensions.reserve(leaves.size());
+    vertices.owners.reserve(leaves.size());
     for (const quadtree::Cell<D>& leaf : leaves) {
       const auto centre = grid_.CentreOf(leaf);
       const VertexId id = IdAt(centre);
@@ -43,7 +43,8 @@ class LeafIds {
       Append(vertices, centre, id);
     }
   }
-  void Remove(const quadtree::Cell<D>& leaf) {
+  // Returns the id of the leaf.
+  VertexId Remove(const quadtree::Cell<D>& leaf) {
     const auto centre = grid_.CentreOf(leaf);
     const VertexId id = IdAt(centre);
     const auto others = others_.empty() ? others_.end() : others_.find(id);
@@ -53,6 +54,7 @@ class LeafIds {
       others_.erase(others);
     }
     hash_ -= HashAt(centre);
+    return id;
   }
 
   // The least id that two leaves have.

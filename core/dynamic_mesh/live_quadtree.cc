@@ -38,7 +38,8 @@ LiveQuadtree<D>::LiveQuadtree(const MeshOptions& options, VertexHash id_of)
       state_(std::make_unique<State>(grid_)),
       leaves_(grid_, id_of) {
   state_->tree.Propagate();
-  leaves_.Add(quadtree::Cell<D>());
+  VertexColumns root;
+  leaves_.AddAll({quadtree::Cell<D>()}, root);
 }
 
 // Polls before each operation. A batch has more leaves than it may have in the end if it has more
@@ -68,11 +69,16 @@ absl::Status LiveQuadtree<D>::Propagate(const typename LiveFeatures<D>::Batch& b
 }
 
 template <int D>
-quadtree::LeafDiff<D> LiveQuadtree<D>::TakeChanges() {
-  quadtree::LeafDiff<D> changes = state_->tree.TakeChanges();
-  for (const quadtree::Cell<D>& leaf : changes.removed) leaves_.Remove(leaf);
-  for (const quadtree::Cell<D>& leaf : changes.added) leaves_.Add(leaf);
-  return changes;
+MeshDiff LiveQuadtree<D>::TakeChanges() {
+  MeshDiff diff;
+  diff.dimension = D;
+  const quadtree::LeafDiff<D> changes = state_->tree.TakeChanges();
+  diff.removed_vertices.reserve(changes.removed.size());
+  for (const quadtree::Cell<D>& leaf : changes.removed) {
+    diff.removed_vertices.push_back(leaves_.Remove(leaf));
+  }
+  leaves_.AddAll(changes.added, diff.added_vertices);
+  return diff;
 }
 
 template <int D>
@@ -103,15 +109,7 @@ absl::StatusOr<MeshDiff> LiveQuadtree<D>::Run(const plc::Delta<D>& delta,
 
   const Stopwatch watch;
   batch.meter.Begin(ApplyProgress::Stage::kDiff);
-  MeshDiff diff;
-  diff.dimension = D;
-  const quadtree::LeafDiff<D> changes = TakeChanges();
-  for (const quadtree::Cell<D>& leaf : changes.removed) {
-    diff.removed_vertices.push_back(leaves_.IdOf(leaf));
-  }
-  for (const quadtree::Cell<D>& leaf : changes.added) {
-    leaves_.AppendTo(diff.added_vertices, leaf);
-  }
+  MeshDiff diff = TakeChanges();
   if (absl::Status status = StatusOfIds(); !status.ok()) return refuse(std::move(status));
   Canonicalize(diff);
   diff.hash = leaves_.hash();

@@ -55,7 +55,8 @@ class LiveQuadtree final : public LiveFeatures<D> {
   };
 
   absl::Status Propagate(const typename LiveFeatures<D>::Batch& batch);
-  quadtree::LeafDiff<D> TakeChanges();
+  // The leaves that came and went since the last call. Rows are in no order.
+  MeshDiff TakeChanges();
   absl::Status StatusOfIds() const;
   // Calls f(leaf or nothing) for each point.
   template <class F>

@@ -1,6 +1,5 @@
 #include "core/quadtree/build_qt.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/sac/engine_audit.h"
@@ -198,8 +197,6 @@ LeafDiff<D> BuildQt<D, E>::TakeChanges() {
   }
   changed_.clear();
   cells_.FreeUnused();
-  std::sort(diff.removed.begin(), diff.removed.end());
-  std::sort(diff.added.begin(), diff.added.end());
   return diff;
 }
 

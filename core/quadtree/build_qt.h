@@ -55,7 +55,7 @@ struct dynmesh::sac::PayloadOf<dynmesh::quadtree::BuildQt<D, E>> {
 
 namespace dynmesh::quadtree {
 
-// A change of the leaves. Both sorted.
+// A change of the leaves. Neither is sorted.
 template <int D>
 struct LeafDiff {
   std::vector<Cell<D>> removed, added;

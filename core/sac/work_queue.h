@@ -108,6 +108,16 @@ class WorkQueue {
     return [this](const Entry& a, const Entry& b) { return Before(b, a); };
   }
 
+  // Latest first. Requests often come in order: operations of an epoch run in order.
+  void Sort(std::vector<Entry>& entries) const {
+    const auto before = [this](const Entry& a, const Entry& b) { return Before(a, b); };
+    if (std::is_sorted(entries.begin(), entries.end(), before)) {
+      std::reverse(entries.begin(), entries.end());
+    } else {
+      std::sort(entries.begin(), entries.end(), After());
+    }
+  }
+
   void Open() {
     Rewind();
     const auto first = waiting_.begin();
@@ -115,7 +125,7 @@ class WorkQueue {
     sorted_.swap(first->second);
     if (cache_[open_epoch_ % kCache].first == open_epoch_) cache_[open_epoch_ % kCache] = {};
     waiting_.erase(first);
-    std::sort(sorted_.begin(), sorted_.end(), After());
+    Sort(sorted_);
     open_ = true;
   }
 
