@@ -16,7 +16,7 @@
 namespace dynmesh::io {
 namespace {
 
-constexpr std::string_view kPlainFill = "#eaf1f6", kDarkLine = "#38495c", kLightLine = "#ffffff";
+constexpr std::string_view kPlainFill = "#eaf1f6", kLine = "#38495c";
 
 // All leaves of one level are one path.
 void DrawLevel(const std::vector<const QuadtreeCell*>& leaves, const PictureFrame& frame,
@@ -83,7 +83,7 @@ absl::Status WriteLeafSvg(const LeafList& list, const SvgOptions& options,
     const std::string fill = options.fill == Fill::kSize    ? ColourAt(kSizeRamp, t)
                              : options.fill == Fill::kPlain ? std::string(kPlainFill)
                                                             : "none";
-    DrawLevel(leaves, frame, axes, fill, options.fill == Fill::kSize ? kLightLine : kDarkLine, out);
+    DrawLevel(leaves, frame, axes, fill, kLine, out);
   }
   out << "</svg>\n";
   return out.Close();
