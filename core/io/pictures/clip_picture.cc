@@ -19,7 +19,7 @@ using geometry::Vector3;
 using Corners = std::array<std::uint32_t, 3>;
 
 constexpr double kDistance = 3.4;  // of the eye from the middle, in half diagonals of the box
-constexpr double kShadow = 0.55;   // the light on what faces away from the lamp
+constexpr double kShadow = 0.72;   // the light on what faces away from the lamp
 
 Vector3 Scaled(const Vector3& v, double factor) {
   return {v[0] * factor, v[1] * factor, v[2] * factor};
