@@ -45,8 +45,8 @@ all programs. The script also checks that all programs mesh the same area or vol
 
 A dash: the program refuses the input, as dynmesh does where edges or facets of 3D meet at less than 60 degrees.
 A and V are the area and volume of the box around the input / {CELLS:,}. Gmsh takes no bound on angles or sizes.
-It meshes outlines that are loops, and surfaces; `hex20`, `land110` and the states share edges, so its input would
-have to be made by hand from their faces.
+It meshes surfaces, and outlines that are disjoint loops. Where more than two segments meet in a point, as in
+`hex20`, `land110` and the states, its input would have to be made by hand, from faces.
 """
 
 
@@ -193,7 +193,7 @@ def main() -> None:
         inputs += [(flags.corpus / "plc3" / f"{name}.off", 3) for name in SPACE]
     if flags.quick:
         inputs = inputs[:1] + inputs[-1:]
-    rows, largest = [], []
+    rows, largest, beside = [], [], []  # beside: dynmesh and TetGen
     with tempfile.TemporaryDirectory() as folder:
         programs = Programs(flags, pathlib.Path(folder))
         for path, dimension in inputs:
@@ -205,6 +205,8 @@ def main() -> None:
                 check(path.stem, task, bound, results)
                 if task == "size" and results["Gmsh"] is not None:
                     largest.append(results["Gmsh"].largest / bound)
+                if dimension == 3 and results["dynmesh"] and results["classic"]:
+                    beside.append((task, results["dynmesh"], results["classic"]))
                 row = [path.stem if task in ("all", "inside") else "", task]
                 for name, result in results.items():
                     row += cells_of(result, name == "dynmesh" or (name, dimension) == ("classic", 3))
@@ -224,7 +226,17 @@ def main() -> None:
         size="`-pq30aA`; " if has_triangle else "")
     if not has_triangle:
         text += "Triangle was not installed where this ran.\n"
-    after = (f"\nThe largest cells of dynmesh and {other} keep the bound; Gmsh's are "
+    after = ""
+    for task in ("inside", "size"):
+        pairs = [(mine, other) for of, mine, other in beside if of == task]
+        if not pairs:
+            continue
+        sizes = [mine.vertices / other.vertices for mine, other in pairs]
+        times = [mine.seconds / other.seconds for mine, other in pairs]
+        after += (f"\nTask {task} in 3D: dynmesh's meshes have {min(sizes):.2f} to {max(sizes):.2f} "
+                  f"times as many vertices as TetGen's, and take {min(times):.1f} to "
+                  f"{max(times):.1f} times as long.\n")
+    after += (f"\nThe largest cells of dynmesh and {other} keep the bound; Gmsh's are "
              f"{min(largest):.1f} to {max(largest):.1f} times as large.\n") if largest else ""
     section(flags.page, "everyday.py", text + "\n" + markdown(head, rows) + after)
 

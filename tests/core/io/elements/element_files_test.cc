@@ -165,6 +165,24 @@ TEST(ElementFiles, ABlockOfAVtuIsNoLargerThanZlibCanUnpack) {
   }
 }
 
+// With the most cells that a file may announce no bound overflows: the array is read, and what
+// lacks is said.
+TEST(ElementFiles, AVtuThatAnnouncesTheMostCellsIsReadToItsEnd) {
+  std::string text = Replaced(kVtu, "NumberOfCells=\"3\"", "NumberOfCells=\"2147483647\"");
+  text = Replaced(
+      text, "type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 0 1 2 0 2 3",
+      "type=\"Int64\" Name=\"connectivity\" format=\"binary\">" + [] {
+        std::string raw("\x40\0\0\0", 4);
+        for (const char v : {0, 1, 0, 1, 2, 0, 2, 3}) raw += v + std::string(7, '\0');
+        return absl::Base64Escape(raw);
+      }());
+  const auto mesh = Parse("vtu", text);
+  ASSERT_FALSE(mesh.ok());
+  EXPECT_NE(std::string(mesh.status().message()).find("have not 2147483647 values"),
+            std::string::npos)
+      << mesh.status();
+}
+
 // What our writers write is read as it was, in all formats.
 TEST(ElementFiles, OfOursReadBack) {
   for (const int dimension : {2, 3}) {
