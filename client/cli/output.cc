@@ -34,7 +34,7 @@ bool IsKnown(const std::string& extension) {
 }
 
 // "z=0.5", or "z" for the middle.
-absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
+absl::Status ParseCut(std::string_view flag, std::string_view text, io::SvgOptions& svg) {
   const std::size_t axis =
       text.empty() ? std::string_view::npos : std::string_view("xyz").find(text[0]);
   double at = 0;
@@ -42,14 +42,16 @@ absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
   if (axis == std::string_view::npos ||
       (has_position && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
     return absl::InvalidArgumentError(text::Concat(
-        "--cut: expected an axis and a place as z=0.5, or an axis, found ", text::Quoted(text)));
+        flag, ": expected an axis and a place as z=0.5, or an axis, found ", text::Quoted(text)));
   }
   svg.cut_axis = static_cast<int>(axis);
   if (has_position) svg.cut_at = at;
   return absl::OkStatus();
 }
 
-absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const MeshOptions& options,
+}  // namespace
+
+absl::StatusOr<io::SvgOptions> PictureOptions(const OutputFlags& flags, const MeshOptions& options,
                                               bool highlighting) {
   io::SvgOptions svg;
   // Highlights need a plain background.
@@ -64,8 +66,11 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   svg.rho = options.quality;
   svg.min_dihedral = options.min_dihedral;
   svg.crop = options.box;
-  if (!flags.cut.empty()) {
-    if (auto status = ParseCut(flags.cut, svg); !status.ok()) return status;
+  svg.is_clip = !flags.clip.empty();
+  svg.legend = flags.legend;
+  for (const auto& [flag, text] : {std::pair("--cut", &flags.cut), {"--clip", &flags.clip}}) {
+    if (text->empty()) continue;
+    if (auto status = ParseCut(flag, *text, svg); !status.ok()) return status;
   }
   if (flags.crop == "all") {
     svg.crop.reset();
@@ -81,8 +86,6 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   }
   return svg;
 }
-
-}  // namespace
 
 void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
@@ -129,6 +132,15 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
                   "Of a 3D mesh, a picture shows a cut across an axis, as z=0.5 (default: "
                   "across z, in the middle of the box)")
       ->type_name("AXIS=PLACE");
+  command
+      .add_option("--clip", flags.clip,
+                  "Of a 3D mesh, a picture shows the tetrahedra below a place along an axis, as "
+                  "z=0.5, in perspective; polygons are brown")
+      ->type_name("AXIS=PLACE")
+      ->excludes("--cut");
+  command.add_flag("--legend", flags.legend,
+                   "A picture says below what its colours mean (with --fill dihedral and exempt it "
+                   "always does)");
   command.add_option("--width", flags.width, "Width of a picture in pixels (default: 1000)")
       ->type_name("PX")
       ->check(CLI::Range(1.0, 1e5));
@@ -151,7 +163,7 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
         ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg, of a "
         "quadtree .csv, .vtu or .svg"));
   }
-  return MakeSvgOptions(flags, MeshOptions(), false).status();
+  return PictureOptions(flags, MeshOptions(), false).status();
 }
 
 absl::Status CheckNotInput(const OutputFlags& flags, const std::string& input) {
@@ -189,6 +201,9 @@ absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags
           text::Concat(path, ": only the leaves of a quadtree are written as .csv"));
     }
   }
+  if (!flags.clip.empty() && (is_quadtree || options.dimension == 2)) {
+    return absl::InvalidArgumentError("--clip is for meshes of 3D");
+  }
   if (flags.fill.empty()) return absl::OkStatus();
   const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(flags.fill);
   if (!fill.ok()) return fill.status();
@@ -210,7 +225,7 @@ absl::Status WriteLeaves(const Mesh& mesh, const MeshOptions& options, const Out
     } else if (extension == ".vtu") {
       status = io::WriteLeafVtu(*list, path);
     } else {
-      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, false);
+      absl::StatusOr<io::SvgOptions> svg = PictureOptions(flags, options, false);
       if (!svg.ok()) return svg.status();
       status = io::WriteLeafSvg(*list, *svg, path);
     }
@@ -241,7 +256,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
     } else if (extension == ".mesh") {
       status = io::WriteMedit(*indexed, path);
     } else if (extension == ".svg") {
-      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, !highlight.empty());
+      absl::StatusOr<io::SvgOptions> svg = PictureOptions(flags, options, !highlight.empty());
       if (!svg.ok()) return svg.status();
       const io::IndexedMesh& shown = flags.order == 2 ? first_order : *indexed;
       if (!highlight.empty()) svg->highlight = io::FindSimplices(shown, highlight);

@@ -7,7 +7,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/cli/labels.h"
+#include "core/io/pictures/svg_writer.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
 
@@ -17,7 +19,9 @@ struct OutputFlags {
   std::vector<std::string> paths;
   std::string fill;  // empty: depends on the other flags
   std::string crop;
-  std::string cut;  // 3D: empty for the middle, else an axis and a position
+  std::string cut;   // 3D: empty for the middle, else an axis and a position
+  std::string clip;  // 3D, in place of `cut`: the same, in perspective
+  bool legend = false;
   double width = 1000;
   int order = 1;  // of elements
   bool from_zero = false, neighbours = false, voronoi = false;
@@ -25,8 +29,12 @@ struct OutputFlags {
 };
 
 // -o, --order, --zero-based, --neighbours, --voronoi and --same-name for meshes, and --fill --crop
-// --cut --width for pictures.
+// --cut --clip --legend --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
+
+// The options of a picture. `highlighting`: it highlights simplices.
+absl::StatusOr<io::SvgOptions> PictureOptions(const OutputFlags& flags, const MeshOptions& options,
+                                              bool highlighting = false);
 
 // Checks that all paths are of a writable kind and the flags are valid. To be called before
 // meshing, which may take long.

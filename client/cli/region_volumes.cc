@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
 #include "core/mesh_data/chambers.h"
@@ -50,16 +49,13 @@ absl::StatusOr<Mesh> BuildWithinVolumes(const std::function<absl::StatusOr<Mesh>
     const mesh_data::Chambers chambers = mesh_data::FindChambers(*mesh);
     const auto limits = LimitsOf(*mesh, chambers, seeds, input.seed_file);
     if (!limits.ok()) return limits.status();
-    absl::flat_hash_map<VertexId, std::size_t> row_of;
-    for (std::size_t i = 0; i < mesh->vertices.size(); ++i)
-      row_of.emplace(mesh->vertices.ids[i], i);
     std::size_t added = 0;
     for (std::size_t i = 0; i < mesh->simplex_count(); ++i) {
       const double limit = (*limits)[chambers.of[i]];
       if (limit == 0) continue;
       transfer::Corners<3> corners;
       for (std::size_t k = 0; k < 4; ++k) {
-        const std::size_t row = row_of.at(mesh->simplices[4 * i + k]);
+        const auto row = static_cast<std::size_t>(chambers.corners[4 * i + k]);
         std::copy_n(&mesh->vertices.coordinates[3 * row], 3, corners[k].begin());
       }
       if (transfer::Measure<3>(corners) <= limit) continue;

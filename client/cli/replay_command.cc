@@ -18,6 +18,7 @@
 #include "client/cli/selection.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
+#include "core/io/pictures/mesh_animation.h"
 #include "core/io/script/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
@@ -37,6 +38,9 @@ struct ReplayCommand {
   std::string markers;
   bool json = false;
   bool highlight = false;
+  std::string animation;           // a path; empty: none
+  std::uint64_t animate_from = 1;  // the revision of the first frame
+  double frame_seconds = 0.2;
 };
 
 std::uint64_t PeakResidentBytes() {
@@ -61,6 +65,7 @@ class Replay {
     if (auto s = ParseMarkersFlag(command_.markers, labels_); !s.ok()) return s;
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     if (auto s = CheckOutputsOf(options, command_.output); !s.ok()) return s;
+    if (auto s = CheckAnimation(options); !s.ok()) return s;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
     if (!mesh.ok()) {
       return NameOption(mesh.status(), command_.mesh,
@@ -68,6 +73,13 @@ class Replay {
     }
     mesh_ = *std::move(mesh);
     const MeshStats start = mesh_->Stats();
+    if (!command_.animation.empty()) {
+      MeshDiff first;  // the mesh of no features
+      const Mesh empty = mesh_->Snapshot();
+      first.added_vertices = empty.vertices;
+      first.added_simplices = empty.simplices;
+      animation_.Add(first);
+    }
     vertices_ = start.vertices;
     simplices_ = start.simplices;
     if (command_.check != 0) {
@@ -82,6 +94,20 @@ class Replay {
   }
 
  private:
+  absl::Status CheckAnimation(const MeshOptions& options) const {
+    if (command_.animation.empty()) return absl::OkStatus();
+    if (options.dimension != 2 || options.kind != MeshKind::kDelaunay) {
+      return absl::InvalidArgumentError("--animation is for Delaunay meshes of 2D");
+    }
+    if (!command_.animation.ends_with(".svg")) {
+      return absl::InvalidArgumentError(
+          text::Concat("--animation: ", command_.animation, ": the extension must be .svg"));
+    }
+    if (command_.animate_from <= script_.batches.size()) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        text::Concat("--animate-from: the script has ", script_.batches.size(), " revisions"));
+  }
+
   absl::Status ApplyBatch(std::size_t b) {
     const EditBatch& batch = script_.batches[b].edits;
     const Clock::time_point start = Clock::now();
@@ -105,6 +131,10 @@ class Replay {
                                        diff->to_revision, ": ", text::View(status.message())));
     }
     if (b + 1 == script_.batches.size()) bar_.End();
+    if (!command_.animation.empty()) {
+      animation_.Add(*diff);
+      if (b + 1 >= command_.animate_from) animation_.Begin();
+    }
     last_added_ = std::move(diff->added_simplices);
     diff->added_simplices = {};
     return PrintRevision(*diff, elapsed.count(), checked);
@@ -219,6 +249,13 @@ class Replay {
           static_cast<double>(PeakResidentBytes()) / 1e6, mesh_->hash().ToHex());
     }
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
+    if (!command_.animation.empty()) {
+      const absl::StatusOr<io::SvgOptions> svg = PictureOptions(command_.output, options);
+      if (!svg.ok()) return svg.status();
+      const io::AnimationOptions animation = {svg->crop.value_or(animation_.Extent()), svg->width,
+                                              command_.frame_seconds};
+      if (auto s = animation_.Write(animation, command_.animation); !s.ok()) return s;
+    }
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
     labels_.is_part = !selection_.IsEverything();
@@ -245,6 +282,7 @@ class Replay {
   MeshLabels labels_;
   Selection selection_;  // the part of the last mesh to write
   SimplexColumn last_added_;
+  io::MeshAnimation animation_;  // with --animation
   // If results go to the same terminal, their lines show the progress.
   ProgressBar bar_{ErrorIsTerminal() && !OutIsTerminal()};
 };
@@ -280,6 +318,18 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--highlight", command->highlight,
                 "In pictures: show what the last revision added; without --fill the same as "
                 "--fill change");
+  sub->add_option("--animation", command->animation,
+                  "Of a 2D mesh: write an animated picture, a frame for each revision, with what "
+                  "the revision added in orange; --crop and --width are obeyed")
+      ->type_name("FILE.svg");
+  sub->add_option("--animate-from", command->animate_from,
+                  "The revision of the first frame (default: 1)")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--frame-seconds", command->frame_seconds,
+                  "How long a frame of the animation shows (default: 0.2)")
+      ->type_name("S")
+      ->check(CLI::Range(0.01, 60.0));
   sub->add_flag("--json", command->json, "Print one JSON object a revision, then a summary");
 }
 

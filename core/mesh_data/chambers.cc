@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
@@ -40,18 +41,14 @@ class ChamberSearch {
     for (std::size_t first = 0; first < rows_; ++first) {
       if (chambers.of[first] != kNone) continue;
       const auto number = static_cast<std::uint32_t>(chambers.count());
-      bool is_outside = false, has_segment = false;
+      bool is_outside = false;
       chambers.of[first] = number;
       open.push_back(first);
       while (!open.empty()) {
         const std::size_t row = open.back();
         open.pop_back();
         for (std::size_t k = 0; k < kWidth; ++k) {
-          const auto wall = walls_.find(SideOf(row, k));
-          if (wall != walls_.end()) {
-            has_segment |= wall->second == Wall::kOfSegment;
-            continue;
-          }
+          if (walls_.contains(SideOf(row, k))) continue;
           const Slot next = neighbours_[row * kWidth + k];
           if (next == kNoSlot) {
             is_outside = true;
@@ -62,9 +59,10 @@ class ChamberSearch {
         }
       }
       chambers.is_outside.push_back(is_outside);
-      chambers.is_hole.push_back(D == 2 && !is_outside && !has_segment &&
-                                 mesh_.region(first) == kNoRegion);
+      chambers.is_hole.push_back(D == 2 && !is_outside && mesh_.region(first) == kNoRegion);
     }
+    if constexpr (D == 2) ExceptBehindSegments(chambers);
+    chambers.corners = std::move(cells_);
     return chambers;
   }
 
@@ -101,6 +99,21 @@ class ChamberSearch {
     }
   }
 
+  // What has a segment around it is no hole. A segment with the same chamber on both sides is in
+  // it.
+  void ExceptBehindSegments(Chambers& chambers) const {
+    for (std::size_t row = 0; row < rows_; ++row) {
+      const std::uint32_t of = chambers.of[row];
+      if (!chambers.is_hole[of]) continue;
+      for (std::size_t k = 0; k < kWidth; ++k) {
+        const Slot next = neighbours_[row * kWidth + k];
+        if (next != kNoSlot && chambers.of[static_cast<std::size_t>(next)] == of) continue;
+        const auto wall = walls_.find(SideOf(row, k));
+        if (wall != walls_.end() && wall->second == Wall::kOfSegment) chambers.is_hole[of] = false;
+      }
+    }
+  }
+
   // The side opposite to corner k.
   Side SideOf(std::size_t row, std::size_t k) const {
     Side side;
@@ -130,12 +143,10 @@ std::vector<PlaceInChambers> Locate(const Mesh& mesh, const Chambers& chambers,
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = 0; k < D; ++k) points[i].c[k] = InDomain(positions[i][k]);
   }
-  absl::flat_hash_map<VertexId, std::size_t> row_of;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
   const auto corners_of = [&](std::size_t row) {
     std::array<Point<D>, D + 1> corners;
     for (std::size_t j = 0; j <= D; ++j) {
-      const std::size_t v = row_of.at(mesh.simplices[row * (D + 1) + j]);
+      const auto v = static_cast<std::size_t>(chambers.corners[row * (D + 1) + j]);
       for (std::size_t k = 0; k < D; ++k) corners[j].c[k] = mesh.vertices.coordinates[D * v + k];
     }
     return corners;

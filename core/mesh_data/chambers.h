@@ -14,13 +14,15 @@
 #include <vector>
 
 #include "dynmesh/mesh.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::mesh_data {
 
 struct Chambers {
   std::vector<std::uint32_t> of;  // of each simplex, in the order of rows
+  std::vector<Slot> corners;      // of each simplex: the rows of its vertices
   // Of each chamber. Outside: it has a side of the mesh's border. Hole: it is in no polygon, and
-  // only edges of polygons lie around it, no segments; 2D only.
+  // only edges of polygons lie between it and others, no segments; 2D only.
   std::vector<bool> is_outside, is_hole;
   std::size_t count() const { return is_outside.size(); }
 };
@@ -39,6 +41,7 @@ struct PlaceInChambers {
 
 // Exact, for each of `positions` (in 2D the third coordinate is not used). O((simplices + hits) lg
 // positions).
+// REQUIRES: `chambers` is FindChambers(mesh).
 std::vector<PlaceInChambers> LocateInChambers(const Mesh& mesh, const Chambers& chambers,
                                               std::span<const std::array<double, 3>> positions);
 

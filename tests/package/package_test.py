@@ -142,6 +142,31 @@ class Installed(Folder):
         self.assertRegex(said[0], r"^triangles \+\d+ -\d+, hash [0-9a-f]{32}\n$")
         self.assertIn("$PhysicalNames", (self.folder / "document1/plate.msh").read_text())
 
+    def test_commands_of_the_readme_print_what_it_shows(self):
+        text = (SOURCE / "README.md").read_text()
+        block = re.search(r"(?m)^(    \$ (?:.+\n)+)", text).group(1)
+        lines = [line[4:] for line in block.splitlines()]
+        commands, said = [], []
+        for line in lines:
+            if line.startswith("$ "):
+                commands.append(line[2:])
+            elif line.startswith(" "):
+                commands[-1] += "\n" + line
+            else:
+                said.append(line)
+        self.assertEqual(len(commands), 2)
+        folder = self.folder / "readme"
+        folder.mkdir()
+        path = f"{self.prefix}/bin:{os.environ['PATH']}"
+        printed = run("bash", "-ec", "\n".join(commands), cwd=folder,
+                      env={**os.environ, "PATH": path}).splitlines()
+
+        def untimed(rows):
+            return [row for row in rows if not row.startswith("built in")]
+
+        self.assertEqual(untimed(printed), untimed(said))
+        self.assertTrue((folder / "plate.msh").exists() and (folder / "plate.svg").exists())
+
     def test_readers_and_writers_are_found_with_pkg_config(self):
         program = self.folder / "files.cc"
         program.write_text('#include "dynmesh/files.h"\n'

@@ -121,6 +121,15 @@ void TextReader::Split(std::string_view line) {
   }
 }
 
+std::string_view TextReader::RestOfLine(std::size_t i) const {
+  const std::string_view text = *text_;
+  const auto begin = static_cast<std::size_t>(tokens_[i].data() + tokens_[i].size() - text.data());
+  std::string_view rest = text.substr(begin, text.find('\n', begin) - begin);
+  while (!rest.empty() && IsBlank(rest.front())) rest.remove_prefix(1);
+  while (!rest.empty() && IsBlank(rest.back())) rest.remove_suffix(1);
+  return rest;
+}
+
 absl::Status TextReader::ErrorAt(std::string_view name, int line, std::string_view message) {
   // Line 1 before the first line, as for an empty file: missing content should begin there.
   return absl::InvalidArgumentError(Concat(name, ":", std::max(line, 1), ": ", message));

@@ -37,6 +37,8 @@ class TextReader {
   const std::vector<std::string_view>& tokens() const { return tokens_; }
   std::size_t size() const { return tokens_.size(); }
   std::string_view token(std::size_t i) const { return tokens_[i]; }
+  // What stands behind token i on its line, comments, too; without blanks at the ends.
+  std::string_view RestOfLine(std::size_t i) const;
   // The current line, from 1; after the end, the last line.
   int line() const { return line_; }
   const std::string& name() const { return name_; }

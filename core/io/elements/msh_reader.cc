@@ -43,9 +43,7 @@ class MshReader {
         status = is_4_ ? ReadElements4() : ReadElements2();
         has_elements = true;
       } else if (section.starts_with("$")) {
-        const std::string end = "$End" + section.substr(1);
-        while (in_.Next() && in_.token() != end) {
-        }
+        if (auto s = SkipSection(section); !s.ok()) return s;
         continue;
       } else {
         return in_.Error(Concat("expected a section as $Nodes, found ", Quoted(section)));
@@ -60,6 +58,15 @@ class MshReader {
   }
 
  private:
+  absl::Status SkipSection(const std::string& section) {
+    const std::string end = "$End" + section.substr(1);
+    const int line = in_.line();
+    while (in_.Next()) {
+      if (in_.token() == end) return absl::OkStatus();
+    }
+    return TextReader::ErrorAt(in_.name(), line, Concat("section ", section, " has no ", end));
+  }
+
   absl::Status ReadFormat() {
     const auto version = in_.Double("the version");
     if (!version.ok()) return version.status();

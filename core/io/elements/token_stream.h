@@ -26,12 +26,10 @@ class TokenStream {
     return true;
   }
   std::string_view token() const { return reader_.token(at_); }
-  // The rest of the line as one text, from the value after the current one on.
+  // What stands behind the current value on its line, to the letter. Goes to the end of the line.
   std::string RestOfLine() {
-    std::string rest;
-    while (at_ + 1 < reader_.size()) {
-      rest += text::Concat(rest.empty() ? "" : " ", reader_.token(++at_));
-    }
+    const std::string rest(reader_.RestOfLine(at_));
+    at_ = reader_.size() - 1;
     return rest;
   }
   int line() const { return reader_.line(); }

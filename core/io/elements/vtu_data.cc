@@ -41,6 +41,27 @@ bool ParseAttributes(std::string_view inside, XmlTag& tag) {
   return true;
 }
 
+// Deflate codes at most 258 bytes with 2 bits.
+constexpr std::uint64_t kMostRatio = 258 * 8 / 2;
+
+// Where the tag that begins at `at` ends: its '>' that is in no quotes.
+std::size_t EndOfTag(std::string_view text, std::size_t at) {
+  if (text.substr(at, 4) == "<!--") return text.find("-->", at);
+  if (text.substr(at, 2) == "<!") return text.find('>', at);
+  char quote = '\0';
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (quote != '\0') {
+      if (c == quote) quote = '\0';
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '>') {
+      return at;
+    }
+  }
+  return std::string_view::npos;
+}
+
 class Decoder {
  public:
   Decoder(const std::string& name, const XmlTag& array, const VtuPacking& packing,
@@ -58,7 +79,8 @@ class Decoder {
       }
       source = packing_.appended.substr(static_cast<std::size_t>(offset));
     }
-    // No more text than the most values can take, with the counts of blocks.
+    // No more text than the most values can take, with the counts of blocks. No overflow:
+    // most_bytes_ is below 2^40 (27 values of 8 bytes for each of fewer than 2^31 cells).
     const std::uint64_t most = 2 * most_bytes_ + 4096;
     for (const char c : source) {
       if (IsBlank(c)) continue;
@@ -129,9 +151,10 @@ class Decoder {
     for (std::uint64_t b = 0; b < blocks; ++b) {
       const std::uint64_t whole = b + 1 == blocks && last != 0 ? last : size;
       if (whole > most_bytes_) return Error("more values than the file has points or cells for");
+      const auto part = static_cast<std::size_t>(CountAt(header->first, 3 + b));
+      if (whole / kMostRatio > part) return Error("a block of more bytes than zlib can unpack");
       std::string block(static_cast<std::size_t>(whole), '\0');
       uLongf got = block.size();
-      const auto part = static_cast<std::size_t>(CountAt(header->first, 3 + b));
       if (uncompress(reinterpret_cast<Bytef*>(block.data()), &got,
                      reinterpret_cast<const Bytef*>(data->first.data()) + at, part) != Z_OK ||
           got != block.size()) {
@@ -183,11 +206,10 @@ absl::StatusOr<std::vector<XmlTag>> ParseXmlTags(const std::string& name, std::s
     line += static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(seen),
                                         text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
     seen = at;
-    const bool is_comment = text.substr(at, 4) == "<!--";
-    const std::size_t end = is_comment ? text.find("-->", at) : text.find('>', at);
+    const std::size_t end = EndOfTag(text, at);
     if (end == std::string_view::npos)
       return TextReader::ErrorAt(name, line, "a tag without an end");
-    if (is_comment || text[at + 1] == '?' || text[at + 1] == '!') {
+    if (text[at + 1] == '?' || text[at + 1] == '!') {
       at = end;
       continue;
     }

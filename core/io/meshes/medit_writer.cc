@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/meshes/references.h"
 
@@ -16,7 +18,7 @@ namespace {
 constexpr double kMost = 2147483647;  // references have 32 bits
 
 // A section of rows with owners or markers, and their references: those of owners unless the labels
-// replace them by `markers`. `corners` returns the corners of a row.
+// replace them by `markers`. `corners(i)` returns the corners of row i.
 template <class Rows, class Corners>
 void WriteOwned(const char* name, const Rows& rows, const References& references,
                 const RowLabels& labels, const std::vector<std::int64_t>& markers, Corners corners,
@@ -32,9 +34,39 @@ void WriteOwned(const char* name, const Rows& rows, const References& references
   out << '\n' << name << '\n' << count << '\n';
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!is_written(i)) continue;
-    for (const std::uint32_t v : corners(rows[i])) out << std::uint64_t{v} + 1 << ' ';
+    for (const std::uint32_t v : corners(i)) out << std::uint64_t{v} + 1 << ' ';
     out << reference_of(i) << '\n';
   }
+}
+
+using Corners = std::array<std::uint32_t, 3>;
+
+// The corners of each face, in the order that the header describes. O(n) expected.
+std::vector<Corners> OrientedFaces(const IndexedMesh& mesh) {
+  std::vector<Corners> faces;
+  absl::flat_hash_map<Corners, std::size_t> row_of;
+  for (const IndexedMesh::Face& face : mesh.faces) {
+    row_of.emplace(face.corners, faces.size());
+    faces.push_back(face.corners);
+  }
+  // The side opposite to each corner, counter-clockwise as seen from outside.
+  constexpr std::size_t kSides[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> regions(faces.size(), kNone);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
+    for (const auto& side : kSides) {
+      Corners outward;
+      for (std::size_t k = 0; k < 3; ++k) outward[k] = mesh.tetrahedra[i][side[k]];
+      std::rotate(outward.begin(), std::min_element(outward.begin(), outward.end()), outward.end());
+      Corners ascending = outward;
+      if (ascending[1] > ascending[2]) std::swap(ascending[1], ascending[2]);
+      const auto it = row_of.find(ascending);
+      if (it == row_of.end() || mesh.regions.Of(i) >= regions[it->second]) continue;
+      regions[it->second] = mesh.regions.Of(i);
+      faces[it->second] = outward;
+    }
+  }
+  return faces;
 }
 
 // Which reference is what, as comments.
@@ -82,14 +114,15 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   }
   WriteOwned(
       "Edges", mesh.edges, *references, labels, labels.edge_markers,
-      [](const auto& e) {
-        return std::array{e.a, e.b};
+      [&](std::size_t i) {
+        return std::array{mesh.edges[i].a, mesh.edges[i].b};
       },
       out);
   if (in_space) {
+    const std::vector<Corners> faces = OrientedFaces(mesh);
     WriteOwned(
         "Triangles", mesh.faces, *references, labels, labels.face_markers,
-        [](const auto& f) { return f.corners; }, out);
+        [&](std::size_t i) { return faces[i]; }, out);
   }
   out << (in_space ? "\nTetrahedra\n" : "\nTriangles\n") << mesh.simplex_count() << '\n';
   std::size_t i = 0;

@@ -17,7 +17,12 @@ namespace dynmesh::io {
 //   Edges      the subsegments, with the reference of the owner
 //   Triangles  2D: counter-clockwise, reference 1; in polygons 1 + the number of the
 //              region (region_numbers.h). 3D: the subfacets and the other triangles of the
-//              domain's border, with the reference of the owner or the box
+//              domain's border, with the reference of the owner or the box. The least number is
+//              first, and the order is counter-clockwise as seen from outside of a tetrahedron
+//              that has the triangle as a side. Of two, that is the one with the lesser number of
+//              its region; in one region it is the one whose row is first. So triangles of the
+//              mesh's border point outward, as FreeFEM demands, and those around a region all
+//              point to the side with the greater number.
 //   Tetrahedra 3D; positively oriented, with references as triangles in 2D
 // The other references are those of references.h; comments after the dimension list them.
 // INVALID_ARGUMENT if there are too many rows; UNAVAILABLE, naming the path, if it cannot be

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "absl/strings/str_format.h"
 
@@ -26,13 +27,14 @@ inline constexpr ColourRamp<7> kQualityRamp = {{{178, 24, 43},
                                                 {221, 234, 242},
                                                 {180, 211, 230},
                                                 {130, 178, 210}}};
-// Fine to coarse: deep blue over green to pale yellow.
-inline constexpr ColourRamp<6> kSizeRamp = {{{44, 62, 112},
-                                             {44, 112, 142},
-                                             {58, 158, 150},
-                                             {124, 196, 154},
-                                             {200, 224, 170},
-                                             {248, 244, 214}}};
+// Fine to coarse: blue over green to pale yellow, each step lighter, all light enough for dark
+// lines.
+inline constexpr ColourRamp<6> kSizeRamp = {{{52, 98, 178},
+                                             {38, 142, 190},
+                                             {66, 178, 182},
+                                             {132, 206, 170},
+                                             {204, 230, 176},
+                                             {252, 249, 220}}};
 
 // "#rrggbb" at t, 0 (start of the ramp) to 1.
 template <std::size_t N>
@@ -45,6 +47,19 @@ std::string ColourAt(const ColourRamp<N>& ramp, double t) {
   };
   return absl::StrFormat("#%02x%02x%02x", blend(ramp[i].r, ramp[i + 1].r),
                          blend(ramp[i].g, ramp[i + 1].g), blend(ramp[i].b, ramp[i + 1].b));
+}
+
+// "#rrggbb", darker: `light` from 0 to 1.
+inline std::string ShadedColour(std::string_view colour, double light) {
+  std::string shaded = "#";
+  for (std::size_t k = 1; k + 1 < colour.size(); k += 2) {
+    const auto digit = [&](std::size_t i) {
+      return colour[i] <= '9' ? colour[i] - '0' : colour[i] - 'a' + 10;
+    };
+    const double channel = light * (16 * digit(k) + digit(k + 1));
+    shaded += absl::StrFormat("%02x", static_cast<unsigned>(std::lround(channel)));
+  }
+  return shaded;
 }
 
 // "#rrggbb" for item n of any number of items. Hues are a golden angle apart, so no two of a long

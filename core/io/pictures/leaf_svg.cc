@@ -12,11 +12,12 @@
 #include "core/io/pictures/colour_ramp.h"
 #include "core/io/pictures/mesh_picture.h"
 #include "core/io/pictures/picture_frame.h"
+#include "core/io/pictures/svg_legend.h"
 
 namespace dynmesh::io {
 namespace {
 
-constexpr std::string_view kPlainFill = "#eaf1f6", kDarkLine = "#38495c", kLightLine = "#ffffff";
+constexpr std::string_view kPlainFill = "#eaf1f6", kLine = "#38495c";
 
 // All leaves of one level are one path.
 void DrawLevel(const std::vector<const QuadtreeCell*>& leaves, const PictureFrame& frame,
@@ -68,7 +69,10 @@ absl::Status WriteLeafSvg(const LeafList& list, const SvgOptions& options,
   }
 
   FileWriter out(path);
-  const double width = std::ceil(options.width), height = std::ceil(frame.height);
+  const bool has_legend = options.legend && options.fill == Fill::kSize && !levels.empty();
+  const double width = std::ceil(options.width);
+  const double height =
+      std::ceil(frame.height) + (has_legend ? std::ceil(LegendHeight(options.width)) : 0);
   out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
       << "\" viewBox=\"0 0 " << width << ' ' << height << "\">\n<title>"
       << (is_cut ? "Octree, " : "Quadtree, ") << list.leaves.size() << " leaves";
@@ -76,6 +80,7 @@ absl::Status WriteLeafSvg(const LeafList& list, const SvgOptions& options,
     out << ", cut at "
         << "xyz"[across] << " = " << cut_at;
   out << "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+  Scale scale = {"side of a cell", {}, {}};
   for (const auto& [level, leaves] : levels) {
     const int coarsest = levels.begin()->first, finest = levels.rbegin()->first;
     const double t =
@@ -83,7 +88,17 @@ absl::Status WriteLeafSvg(const LeafList& list, const SvgOptions& options,
     const std::string fill = options.fill == Fill::kSize    ? ColourAt(kSizeRamp, t)
                              : options.fill == Fill::kPlain ? std::string(kPlainFill)
                                                             : "none";
-    DrawLevel(leaves, frame, axes, fill, options.fill == Fill::kSize ? kLightLine : kDarkLine, out);
+    DrawLevel(leaves, frame, axes, fill, kLine, out);
+    scale.colours.push_back(fill);
+    if (level == coarsest) {
+      scale.ticks.push_back({1, absl::StrFormat("%g", leaves.front()->side)});
+    } else if (level == finest) {
+      scale.ticks.push_back({0, absl::StrFormat("%g", leaves.front()->side)});
+    }
+  }
+  if (has_legend) {
+    std::reverse(scale.colours.begin(), scale.colours.end());  // the finest first
+    WriteScale(scale, std::ceil(frame.height), options.width, out);
   }
   out << "</svg>\n";
   return out.Close();

@@ -10,9 +10,9 @@
 
 namespace dynmesh::io {
 
-// `options`: crop, cut and width as for meshes; the fill is kSize (by level: the finer, the
-// darker), kPlain or kNone, else INVALID_ARGUMENT. UNAVAILABLE, naming the path, on an error.
-// O(leaves).
+// `options`: crop, cut, legend (with kSize) and width as for meshes; the fill is kSize (by level:
+// the finer, the darker), kPlain or kNone, else INVALID_ARGUMENT. UNAVAILABLE, naming the path, on
+// an error. O(leaves).
 absl::Status WriteLeafSvg(const LeafList& list, const SvgOptions& options, const std::string& path);
 
 }  // namespace dynmesh::io

@@ -21,6 +21,8 @@ struct MeshPicture {
     std::array<std::uint32_t, 4> corners = {0, 0, 0, 0};  // the first `count`, in order around
     std::uint32_t count = 0;                              // 3 or 4
     std::uint32_t simplex = 0;                            // the simplex shown
+    double light = 1;                                     // on it, 0 to 1; in perspective
+    bool is_wall = false;                                 // a triangle of a polygon; in perspective
   };
   // Owned by the feature of the subsegment or cut subfacet, by the box, or by none.
   using Line = IndexedMesh::Edge;

@@ -44,21 +44,22 @@ void WriteLegend(const std::vector<LegendEntry>& entries, double top, double wid
   out << "</g>\n";
 }
 
-void WriteScale(const std::vector<std::string>& colours, const std::string& title, double end,
-                double step, double top, double width, FileWriter& out) {
+void WriteScale(const Scale& scale, double top, double width, FileWriter& out) {
   Open(top, width, out);
   const double height = LegendHeight(width);
   // The title takes the left third.
   const double left = width / 3, extent = 0.64 * width;
-  const double each = extent / static_cast<double>(std::max<std::size_t>(colours.size(), 1));
-  WriteText(0.3 * height, top + 0.64 * height, title, out);
-  for (std::size_t i = 0; i < colours.size(); ++i) {
+  const double each = extent / static_cast<double>(std::max<std::size_t>(scale.colours.size(), 1));
+  WriteText(0.3 * height, top + 0.64 * height, scale.title, out);
+  for (std::size_t i = 0; i < scale.colours.size(); ++i) {
     WriteRectangle(left + each * static_cast<double>(i), top + 0.1 * height, each, 0.4 * height,
-                   colours[i], out);
+                   scale.colours[i], out);
   }
-  for (int k = 0; k * step <= end; ++k) {
-    const double value = k * step;
-    WriteText(left + extent * value / end, top + 0.92 * height, absl::StrFormat("%g", value), out);
+  for (const Scale::Tick& tick : scale.ticks) {
+    // The last one ends where the scale does.
+    const bool is_last = tick.at > 0.97;
+    out << absl::StrFormat("<text x=\"%.2f\" y=\"%.2f\"%s>%s</text>\n", left + extent * tick.at,
+                           top + 0.92 * height, is_last ? " text-anchor=\"end\"" : "", tick.label);
   }
   out << "</g>\n";
 }

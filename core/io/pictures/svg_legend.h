@@ -22,9 +22,18 @@ double LegendHeight(double width);
 void WriteLegend(const std::vector<LegendEntry>& entries, double top, double width,
                  FileWriter& out);
 
-// `colours` side by side as one scale from 0 to `end`, with a number at every multiple of `step`.
-void WriteScale(const std::vector<std::string>& colours, const std::string& title, double end,
-                double step, double top, double width, FileWriter& out);
+struct Scale {
+  std::string title;
+  std::vector<std::string> colours;
+  struct Tick {
+    double at;  // from 0, where the first colour begins, to 1
+    std::string label;
+  };
+  std::vector<Tick> ticks;
+};
+
+// The colours side by side, with the ticks below.
+void WriteScale(const Scale& scale, double top, double width, FileWriter& out);
 
 }  // namespace dynmesh::io
 

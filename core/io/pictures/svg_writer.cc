@@ -12,30 +12,20 @@
 #include "absl/strings/str_format.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/pictures/clip_picture.h"
 #include "core/io/pictures/colour_ramp.h"
 #include "core/io/pictures/mesh_picture.h"
 #include "core/io/pictures/picture_frame.h"
+#include "core/io/pictures/simplex_colours.h"
 #include "core/io/pictures/svg_legend.h"
-#include "dynmesh/quality.h"
+#include "core/io/pictures/svg_path.h"
 
 namespace dynmesh::io {
 
 using text::Concat;
 namespace {
 
-constexpr int kFillSteps = 31;
-constexpr std::string_view kPlainFill = "#eaf1f6";
-constexpr std::string_view kHighlightFill = "#f6a821";
-constexpr std::string_view kExemptFill = "#f6a821";
-constexpr std::string_view kOverRhoFill = "#b2182b";
-constexpr std::string_view kBelowDihedralFill = "#7b3294";
-// The least angle of the best simplex, in degrees.
-constexpr double kBestAngle2D = 60;
-constexpr double kBestAngle3D = 70.528779365509308;
-// The position on the ramp of a triangle just within rho.
-constexpr double kAtRho = 0.15;
-
-// Lines over a fill: dark on pale fills, light on dark ones.
+// Lines over a fill. Segments are red on the blues of sizes.
 struct LineStyle {
   std::string_view edge;
   double edge_opacity;
@@ -43,29 +33,9 @@ struct LineStyle {
   std::string_view box;
 };
 constexpr LineStyle kDarkLines = {"#38495c", 0.75, "#14213d", "#7a8794"};
-constexpr LineStyle kLightLines = {"#ffffff", 0.35, "#ffb703", "#dfe7ea"};
-
-// Hundredths of a pixel: small files, and relative moves without accumulated error.
-struct Pixel {
-  std::int64_t x, y;
-};
-
-void WriteHundredths(std::int64_t value, FileWriter& out) {
-  if (value < 0) out << '-';
-  const std::uint64_t magnitude = static_cast<std::uint64_t>(value < 0 ? -value : value);
-  out << magnitude / 100;
-  const std::uint64_t rest = magnitude % 100;
-  if (rest == 0) return;
-  out << '.' << static_cast<char>('0' + rest / 10);
-  if (rest % 10 != 0) out << static_cast<char>('0' + rest % 10);
-}
-
-void WritePixel(char command, Pixel p, FileWriter& out) {
-  out << command;
-  WriteHundredths(p.x, out);
-  out << ' ';
-  WriteHundredths(p.y, out);
-}
+constexpr LineStyle kLinesOnSizes = {"#14213d", 0.5, "#b3261e", "#7a8794"};
+// Triangles of polygons in perspective.
+constexpr std::string_view kWallFill = "#e3b778";
 
 class SvgDrawing {
  public:
@@ -73,12 +43,16 @@ class SvgDrawing {
       : mesh_(mesh), options_(options), out_(out) {
     if (mesh.dimension == 3) {
       cut_at_ = options.cut_at ? *options.cut_at : MiddleAlong(options.cut_axis);
-      picture_ = CutThrough(mesh, options.cut_axis, cut_at_);
+      picture_ = options.is_clip ? ClipAt(mesh, options.cut_axis, cut_at_, Shown())
+                                 : CutThrough(mesh, options.cut_axis, cut_at_);
     } else {
       picture_ = PictureOf(mesh);
     }
     frame_ = Frame();
     FindVisible();
+    std::vector<std::uint32_t> simplices;
+    for (const std::uint32_t i : cells_) simplices.push_back(SimplexOf(i));
+    colours_ = ColoursOf(mesh, options, simplices);
   }
 
   void Draw() {
@@ -95,19 +69,28 @@ class SvgDrawing {
  private:
   double MiddleAlong(int axis) const {
     const auto k = static_cast<std::size_t>(axis);
-    if (options_.crop) return options_.crop->lo[k] / 2 + options_.crop->hi[k] / 2;
-    double lo = 0, hi = 0;
+    const Box box = Shown();
+    return box.lo[k] / 2 + box.hi[k] / 2;
+  }
+
+  // The crop, or the box of the vertices.
+  Box Shown() const {
+    if (options_.crop) return *options_.crop;
+    Box box = {{0, 0, 0}, {0, 0, 0}};
+    if (!mesh_.vertices.empty()) box.lo = box.hi = mesh_.vertices.front().position();
     for (const auto& v : mesh_.vertices) {
-      if (&v == &mesh_.vertices.front()) lo = hi = v.position()[k];
-      lo = std::min(lo, v.position()[k]), hi = std::max(hi, v.position()[k]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        box.lo[k] = std::min(box.lo[k], v.position()[k]);
+        box.hi[k] = std::max(box.hi[k], v.position()[k]);
+      }
     }
-    return lo / 2 + hi / 2;
+    return box;
   }
 
   // The crop, or all of the picture.
   PictureFrame Frame() const {
     PictureFrame::Position lo = {0, 0}, hi = {1, 1};
-    if (options_.crop) {
+    if (options_.crop && !options_.is_clip) {
       const auto axes = AxesAcross(mesh_.dimension == 3 ? options_.cut_axis : 2);
       for (std::size_t k = 0; k < 2; ++k) {
         lo[k] = options_.crop->lo[axes[k]], hi[k] = options_.crop->hi[axes[k]];
@@ -154,13 +137,7 @@ class SvgDrawing {
     typical_ = *middle;
   }
 
-  Pixel At(std::uint32_t index) const {
-    // Far outside a narrow crop precision is irrelevant, the range is not.
-    constexpr double kFar = 1e15;
-    const double x = frame_.XOf(picture_.positions[index][0]) * 100;
-    const double y = frame_.YOf(picture_.positions[index][1]) * 100;
-    return {std::llround(std::clamp(x, -kFar, kFar)), std::llround(std::clamp(y, -kFar, kFar))};
-  }
+  Pixel At(std::uint32_t index) const { return PixelAt(frame_, picture_.positions[index]); }
 
   void Open() {
     const double width = std::ceil(options_.width);
@@ -170,7 +147,7 @@ class SvgDrawing {
          << height << "\" viewBox=\"0 0 " << width << ' ' << height << "\">\n<title>Delaunay mesh, "
          << mesh_.vertices.size() << " vertices, " << mesh_.simplex_count();
     if (mesh_.dimension == 3) {
-      out_ << " tetrahedra, cut at "
+      out_ << " tetrahedra, " << (options_.is_clip ? "clipped" : "cut") << " at "
            << "xyz"[options_.cut_axis] << " = " << cut_at_;
     } else {
       out_ << " triangles";
@@ -179,13 +156,9 @@ class SvgDrawing {
   }
 
   void WriteCell(const MeshPicture::Cell& cell) {
-    Pixel at = At(cell.corners[0]);
-    WritePixel('M', at, out_);
-    for (std::uint32_t k = 1; k < cell.count; ++k) {
-      const Pixel next = At(cell.corners[k]);
-      WritePixel('l', {next.x - at.x, next.y - at.y}, out_);
-      at = next;
-    }
+    std::array<Pixel, 4> pixels;
+    for (std::uint32_t k = 0; k < cell.count; ++k) pixels[k] = At(cell.corners[k]);
+    WriteLinePath({pixels.data(), cell.count}, out_);
     out_ << 'z';
   }
 
@@ -196,104 +169,29 @@ class SvgDrawing {
     out_ << "\"/>\n";
   }
 
+  // One path for each colour keeps the file small.
   void DrawFills() {
-    if (cells_.empty()) return;
-    switch (options_.fill) {
-      case SvgOptions::Fill::kNone:
-        return;
-      case SvgOptions::Fill::kPlain:
-        return FillCells(cells_, kPlainFill);
-      case SvgOptions::Fill::kExempt:
-        return FillByVerdict();
-      case SvgOptions::Fill::kRegion:
-        return FillByRegion();
-      case SvgOptions::Fill::kSize:
-        return FillByValue(kSizeRamp, SizesOnRamp());
-      case SvgOptions::Fill::kAngle:
-      case SvgOptions::Fill::kDihedral:
-      case SvgOptions::Fill::kQuality:
-        return FillByValue(kQualityRamp, GoodnessOnRamp());
-    }
+    if (options_.is_clip) return DrawSolid();
+    std::map<std::string_view, std::vector<std::uint32_t>> groups;
+    for (std::size_t i = 0; i < colours_.of.size(); ++i)
+      groups[colours_.of[i]].push_back(cells_[i]);
+    for (const auto& [colour, cells] : groups) FillCells(cells, colour);
   }
 
-  void FillByVerdict() {
-    const std::vector<SimplexVerdict> verdicts =
-        JudgeSimplices(mesh_, options_.rho, options_.min_dihedral);
-    constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill,
-                                           kBelowDihedralFill};
-    std::vector<std::uint32_t> of[4];
-    for (const std::uint32_t i : cells_) {
-      const SimplexVerdict verdict = verdicts[SimplexOf(i)];
-      of[verdict == SimplexVerdict::kGood            ? 0
-         : IsExempt(verdict)                         ? 1
-         : verdict == SimplexVerdict::kBelowDihedral ? 3
-                                                     : 2]
-          .push_back(i);
+  // In their order, each with its edges: what is drawn later hides what is behind it.
+  void DrawSolid() {
+    out_ << absl::StrFormat("<g stroke=\"%s\" stroke-width=\"%.2f\" stroke-linejoin=\"round\">\n",
+                            style_.edge, options_.width / 1600);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const MeshPicture::Cell& cell = picture_.cells[cells_[i]];
+      const std::string_view colour = cell.is_wall          ? kWallFill
+                                      : colours_.of.empty() ? std::string_view("#ffffff")
+                                                            : colours_.of[i];
+      out_ << "<path fill=\"" << ShadedColour(colour, cell.light) << "\" d=\"";
+      WriteCell(cell);
+      out_ << "\"/>\n";
     }
-    for (std::size_t v = 0; v < 4; ++v) {
-      if (!of[v].empty()) FillCells(of[v], kFills[v]);
-    }
-  }
-
-  void FillByRegion() {
-    std::map<std::uint32_t, std::vector<std::uint32_t>> of;  // by number
-    for (const std::uint32_t i : cells_) of[mesh_.regions.Of(SimplexOf(i))].push_back(i);
-    for (const auto& [number, triangles] : of) {
-      FillCells(triangles, number == 0 ? std::string(kPlainFill) : DistinctColour(number));
-    }
-  }
-
-  // Of each visible cell, 0 (finest) to 1.
-  std::vector<double> SizesOnRamp() const {
-    std::vector<double> values;
-    for (const std::uint32_t i : cells_) {
-      values.push_back(
-          std::log2(std::max(MeasureSimplex(mesh_, SimplexOf(i)).shortest_edge, 1e-300)));
-    }
-    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-    const double lo = *least;
-    const double extent = std::max(*greatest - lo, 1.0);
-    for (double& value : values) value = (value - lo) / extent;
-    return values;
-  }
-
-  // Of each visible cell, 0 (bad) to 1 (equilateral).
-  std::vector<double> GoodnessOnRamp() const {
-    const bool by_angle = options_.fill != SvgOptions::Fill::kQuality;
-    const bool in_space = mesh_.dimension == 3;
-    const double best = in_space ? std::sqrt(0.375) : 1 / std::sqrt(3.0);
-    const double best_angle = in_space ? kBestAngle3D : kBestAngle2D;
-    std::vector<SimplexVerdict> verdicts;
-    if (!by_angle) verdicts = JudgeSimplices(mesh_, options_.rho);
-    std::vector<double> values;
-    for (const std::uint32_t i : cells_) {
-      const SimplexMeasures q = MeasureSimplex(mesh_, SimplexOf(i));
-      if (by_angle) {
-        values.push_back(q.min_angle_deg / best_angle);
-      } else if (IsOverRho(verdicts[SimplexOf(i)])) {
-        values.push_back(0);
-      } else {
-        const double part = (options_.rho - q.radius_edge) / (options_.rho - best);
-        values.push_back(kAtRho + (1 - kAtRho) * std::max(part, 0.0));
-      }
-    }
-    return values;
-  }
-
-  // Groups the cells by colour: one path per colour keeps the file small.
-  template <std::size_t N>
-  void FillByValue(const ColourRamp<N>& ramp, const std::vector<double>& values) {
-    std::map<int, std::vector<std::uint32_t>> groups;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double t = std::clamp(values[i], 0.0, 1.0);
-      groups[static_cast<int>(t * (kFillSteps - 1))].push_back(cells_[i]);
-    }
-    for (const auto& [step, triangles] : groups) FillCells(triangles, StepColour(ramp, step));
-  }
-
-  template <std::size_t N>
-  static std::string StepColour(const ColourRamp<N>& ramp, int step) {
-    return ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1));
+    out_ << "</g>\n";
   }
 
   void DrawHighlight() {
@@ -308,37 +206,20 @@ class SvgDrawing {
   }
 
   bool HasLegend() const {
-    return options_.fill == SvgOptions::Fill::kDihedral ||
-           options_.fill == SvgOptions::Fill::kExempt;
+    const bool is_usual =
+        options_.fill == SvgOptions::Fill::kDihedral || options_.fill == SvgOptions::Fill::kExempt;
+    return (is_usual || options_.legend) &&
+           !(colours_.scale.colours.empty() && colours_.entries.empty());
   }
 
   void DrawLegend() {
+    if (!HasLegend()) return;
     const double top = std::ceil(frame_.height);
-    if (options_.fill == SvgOptions::Fill::kDihedral) {
-      std::vector<std::string> colours;
-      for (int step = 0; step < kFillSteps; ++step) {
-        colours.push_back(StepColour(kQualityRamp, step));
-      }
-      WriteScale(colours, "least dihedral angle, degrees", kBestAngle3D, 10, top, options_.width,
-                 out_);
-    } else if (options_.fill == SvgOptions::Fill::kExempt) {
-      std::vector<LegendEntry> entries = {{std::string(kPlainFill), "within rho"}};
-      if (mesh_.dimension == 2) entries.push_back({std::string(kExemptFill), "over rho, exempt"});
-      entries.push_back({std::string(kOverRhoFill), "over rho"});
-      if (mesh_.dimension == 3 && options_.min_dihedral > 0) {
-        entries.push_back(
-            {std::string(kBelowDihedralFill),
-             absl::StrFormat("dihedral angle below %g degrees", options_.min_dihedral)});
-      }
-      WriteLegend(entries, top, options_.width, out_);
+    if (colours_.entries.empty()) {
+      WriteScale(colours_.scale, top, options_.width, out_);
+    } else {
+      WriteLegend(colours_.entries, top, options_.width, out_);
     }
-  }
-
-  void WriteLine(const MeshPicture::Line& line) {
-    const Pixel a = At(line.a);
-    const Pixel b = At(line.b);
-    WritePixel('M', a, out_);
-    WritePixel('l', {b.x - a.x, b.y - a.y}, out_);
   }
 
   template <class Wanted>
@@ -353,7 +234,7 @@ class SvgDrawing {
             colour, width, opacity);
       }
       open = true;
-      WriteLine(picture_.lines[i]);
+      WriteLinePath(std::array{At(picture_.lines[i].a), At(picture_.lines[i].b)}, out_);
     }
     if (open) out_ << "\"/>\n";
   }
@@ -391,12 +272,13 @@ class SvgDrawing {
   const IndexedMesh& mesh_;
   const SvgOptions& options_;
   FileWriter& out_;
-  const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLightLines : kDarkLines;
+  const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLinesOnSizes : kDarkLines;
   PictureFrame frame_{{0, 0}, {1, 1}, 1};
   double typical_ = 1;  // length of a visible edge, pixels
   double cut_at_ = 0;   // 3D
   MeshPicture picture_;
   std::vector<std::uint32_t> cells_;  // visible ones
+  SimplexColours colours_;            // of these
   std::vector<std::uint32_t> lines_;
 };
 
@@ -414,6 +296,9 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
   }
   if (!(options.min_dihedral >= 0) || !(options.min_dihedral <= kMaxMinDihedral)) {
     return absl::InvalidArgumentError("the least dihedral angle of a picture must be 0 to 20");
+  }
+  if (options.is_clip && mesh.dimension != 3) {
+    return absl::InvalidArgumentError("only a mesh of 3D can be clipped");
   }
   MeshOptions of;
   of.dimension = mesh.dimension;

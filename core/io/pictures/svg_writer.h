@@ -34,6 +34,10 @@ struct SvgOptions {
   // the mesh.
   int cut_axis = 2;
   std::optional<double> cut_at;
+  // 3D: not a section there, but the tetrahedra on its lower side, in perspective
+  // (clip_picture.h). Polygons are brown, other triangles have the colour of their tetrahedron.
+  bool is_clip = false;
+  bool legend = false;  // a legend with every fill that has one
   double width = 1000;  // pixels; the height follows
   bool points = true;   // dots at input points, if there are not too many
   // Highlighted simplices (indices), such as those added by an edit.

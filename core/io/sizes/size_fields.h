@@ -29,13 +29,15 @@ inline constexpr std::size_t kMostSizes = 2'000'000;
 // A box of cells, x fastest. 2D: one layer.
 struct SizeRaster {
   std::string file;
+  int dimension = 2;
   std::array<std::size_t, 3> counts = {0, 0, 1};
   Box box;
   std::vector<double> values;  // not above 0 or NaN: none
 };
 absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader);
 // Rows of an array of two (three) dimensions go along y (z), from the least on; `box` is what the
-// array covers. Little-endian reals or whole numbers in C order.
+// array covers. Reals or whole numbers in C order. A first dimension of one row that is one too
+// many is left out, as (1, y, x) in 2D.
 absl::StatusOr<SizeRaster> ParseNpy(const std::string& name, const std::string& bytes,
                                     const Box& box, int dimension);
 // Features with ids from `first` on; only of boxes that meet `within`.

@@ -1,8 +1,9 @@
 // Rasters of target lengths.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <string_view>
@@ -86,24 +87,27 @@ class RasterSizes {
 };
 
 template <class T>
-void Convert(std::string_view bytes, std::vector<double>& values) {
+void Convert(std::string_view bytes, bool is_swapped, std::vector<double>& values) {
   for (std::size_t i = 0; i + sizeof(T) <= bytes.size(); i += sizeof(T)) {
-    T value;
-    std::memcpy(&value, bytes.data() + i, sizeof(T));
-    values.push_back(static_cast<double>(value));
+    std::array<char, sizeof(T)> raw;
+    std::copy_n(bytes.data() + i, sizeof(T), raw.begin());
+    if (is_swapped) std::reverse(raw.begin(), raw.end());
+    values.push_back(static_cast<double>(std::bit_cast<T>(raw)));
   }
 }
 
 struct NpyType {
-  std::string_view name;
+  std::string_view name;  // without the mark of its byte order
   std::size_t bytes;
-  void (*convert)(std::string_view, std::vector<double>&);
+  void (*convert)(std::string_view, bool, std::vector<double>&);
 };
-constexpr NpyType kNpyTypes[] = {{"<f8", 8, &Convert<double>},
-                                 {"<f4", 4, &Convert<float>},
-                                 {"<i8", 8, &Convert<std::int64_t>},
-                                 {"<i4", 4, &Convert<std::int32_t>},
-                                 {"|u1", 1, &Convert<std::uint8_t>}};
+constexpr NpyType kNpyTypes[] = {
+    {"f8", 8, &Convert<double>},        {"f4", 4, &Convert<float>},
+    {"i8", 8, &Convert<std::int64_t>},  {"i4", 4, &Convert<std::int32_t>},
+    {"i2", 2, &Convert<std::int16_t>},  {"i1", 1, &Convert<std::int8_t>},
+    {"u8", 8, &Convert<std::uint64_t>}, {"u4", 4, &Convert<std::uint32_t>},
+    {"u2", 2, &Convert<std::uint16_t>}, {"u1", 1, &Convert<std::uint8_t>}};
+static_assert(std::endian::native == std::endian::little, "< is not swapped");
 
 // The text of a key's value in numpy's header.
 std::string_view ValueOf(std::string_view header, std::string_view key) {
@@ -138,7 +142,8 @@ absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader) {
   }
   const auto count_of = [&](const char* key, std::size_t& count) -> absl::Status {
     const auto it = header.find(key);
-    if (it == header.end() || !(it->second >= 1 && it->second <= 1e9)) {
+    if (it == header.end() || !(it->second >= 1 && it->second <= 1e9) ||
+        it->second != std::floor(it->second)) {
       return reader.Error(Concat("the header has no count ", key));
     }
     count = static_cast<std::size_t>(it->second);
@@ -148,15 +153,22 @@ absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader) {
   if (auto s = count_of("nrows", raster.counts[1]); !s.ok()) return s;
   const double cell = header.contains("cellsize") ? header["cellsize"] : 0;
   if (!(cell > 0)) return reader.Error("the header has no cellsize above 0");
-  const bool is_centre = header.contains("xllcenter");
-  const double shift = is_centre ? cell / 2 : 0;
-  raster.box.lo = {header[is_centre ? "xllcenter" : "xllcorner"] - shift,
-                   header[is_centre ? "yllcenter" : "yllcorner"] - shift, 0};
-  raster.box.hi = {raster.box.lo[0] + cell * static_cast<double>(raster.counts[0]),
-                   raster.box.lo[1] + cell * static_cast<double>(raster.counts[1]), 0};
   const std::size_t cells = raster.counts[0] * raster.counts[1];
   if (cells > reader.text_size() || cells > kMostCells) {
     return reader.Error(Concat("the file is too short for ", cells, " values"));
+  }
+  raster.box = {{0, 0, 0}, {0, 0, 0}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::string start = k == 0 ? "xll" : "yll";
+    const auto corner = header.find(start + "corner"), centre = header.find(start + "center");
+    if (corner == header.end() && centre == header.end()) {
+      return reader.Error(Concat("the header has no ", start, "corner and no ", start, "center"));
+    }
+    if (corner != header.end() && centre != header.end()) {
+      return reader.Error(Concat("the header has both ", start, "corner and ", start, "center"));
+    }
+    raster.box.lo[k] = corner != header.end() ? corner->second : centre->second - cell / 2;
+    raster.box.hi[k] = raster.box.lo[k] + cell * static_cast<double>(raster.counts[k]);
   }
   std::vector<double> rows;  // from the top
   while (has_row) {
@@ -196,9 +208,11 @@ absl::StatusOr<SizeRaster> ParseNpy(const std::string& name, const std::string& 
   const std::string_view header = std::string_view(bytes).substr(begin, length);
   std::string_view type = ValueOf(header, "'descr'");
   if (type.size() > 2) type = type.substr(1, type.size() - 2);
-  const auto known = std::find_if(std::begin(kNpyTypes), std::end(kNpyTypes),
-                                  [&](const NpyType& t) { return t.name == type; });
-  if (known == std::end(kNpyTypes)) {
+  const char order = type.empty() ? '\0' : type[0];
+  const auto known =
+      std::find_if(std::begin(kNpyTypes), std::end(kNpyTypes),
+                   [&](const NpyType& t) { return !type.empty() && t.name == type.substr(1); });
+  if (known == std::end(kNpyTypes) || (order != '<' && order != '>' && order != '|')) {
     return error(Concat("type ", Quoted(type), " cannot be read: use float64 or float32"));
   }
   if (ValueOf(header, "'fortran_order'") != "False") {
@@ -216,11 +230,15 @@ absl::StatusOr<SizeRaster> ParseNpy(const std::string& name, const std::string& 
     }
     sides.push_back(static_cast<std::size_t>(side));
   }
+  if (sides.size() == static_cast<std::size_t>(dimension) + 1 && sides[0] == 1) {
+    sides.erase(sides.begin());
+  }
   if (sides.size() != static_cast<std::size_t>(dimension)) {
     return error(Concat("the array has ", sides.size(), " dimensions, the mesh ", dimension));
   }
   SizeRaster raster;
   raster.file = name;
+  raster.dimension = dimension;
   raster.box = box;
   std::size_t cells = 1;
   for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -232,15 +250,15 @@ absl::StatusOr<SizeRaster> ParseNpy(const std::string& name, const std::string& 
   if (data.size() != cells * known->bytes) {
     return error(Concat("the array has ", data.size(), " bytes, not ", cells * known->bytes));
   }
-  known->convert(data, raster.values);
+  known->convert(data, order == '>', raster.values);
   return raster;
 }
 
 absl::StatusOr<std::vector<Feature>> SizesOf(const SizeRaster& raster, const Box& within,
                                              FeatureId first, int dimension) {
-  if (dimension == 3 && raster.counts[2] == 1) {
-    return absl::InvalidArgumentError(
-        Concat(raster.file, ": the raster is of 2 dimensions, the mesh of 3"));
+  if (dimension != raster.dimension) {
+    return absl::InvalidArgumentError(Concat(raster.file, ": the raster is of ", raster.dimension,
+                                             " dimensions, the mesh of ", dimension));
   }
   for (const double value : raster.values) {
     if (std::isinf(value)) {

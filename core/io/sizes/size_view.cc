@@ -24,6 +24,11 @@ class PosScanner {
   absl::Status Error(std::string_view message) const {
     return TextReader::ErrorAt(name_, line_, message);
   }
+  // At the end of the text, where Peek() is '\0'. A '\0' of the text itself is not the end.
+  bool IsAtEnd() {
+    Peek();
+    return at_ >= text_.size();
+  }
   char Peek() {
     while (at_ < text_.size()) {
       const char c = text_[at_];
@@ -31,7 +36,7 @@ class PosScanner {
         while (at_ < text_.size() && text_[at_] != '\n') ++at_;
       } else if (c == '\n') {
         ++line_, ++at_;
-      } else if (c == ' ' || c == '\t' || c == '\r') {
+      } else if (IsBlank(c)) {
         ++at_;
       } else {
         return c;
@@ -66,8 +71,8 @@ class PosScanner {
     while (!Take(close)) {
       Peek();
       const std::size_t begin = at_;
-      while (at_ < text_.size() && text_[at_] != ',' && text_[at_] != close && text_[at_] != '\n' &&
-             text_[at_] != ' ') {
+      while (at_ < text_.size() && text_[at_] != ',' && text_[at_] != close &&
+             !IsBlank(text_[at_])) {
         ++at_;
       }
       double value = 0;
@@ -81,6 +86,8 @@ class PosScanner {
   }
 
  private:
+  static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
   const std::string& name_;
   std::string_view text_;
   std::size_t at_ = 0;
@@ -146,11 +153,20 @@ class ViewSizes {
         centre[k] += corner[k] / static_cast<double>(e.corners.size());
       }
     }
-    for (std::size_t k = 0; k < d_; ++k) {
-      if (centre[k] < within_.lo[k] || centre[k] > within_.hi[k]) return;
-    }
     double radius = 0;
     for (const auto& corner : e.corners) radius = std::max(radius, Distance(corner, centre));
+    std::array<double, 3> nearest = centre;  // of the box
+    for (std::size_t k = 0; k < d_; ++k) {
+      nearest[k] = std::clamp(centre[k], within_.lo[k], within_.hi[k]);
+    }
+    if (nearest != centre) {
+      // A disc's centre must be in the box. For q in a box and its point p nearest to c,
+      // |qc|^2 >= |qp|^2 + |pc|^2: the part of the disc in the box is in this one.
+      const double away = Distance(nearest, centre);
+      if (!(away < radius)) return;
+      radius = std::sqrt((radius - away) * (radius + away));
+      centre = nearest;
+    }
     const SizeShape shape = radius > 0 ? SizeShape::kDisc : SizeShape::kPoint;
     features_.push_back(Feature::Size(next_++, centre, {shape, least, radius, {}}));
   }
@@ -226,11 +242,12 @@ absl::StatusOr<SizeView> ParsePos(const std::string& name, const std::string& te
   PosScanner in(name, text);
   SizeView view;
   view.file = name;
-  while (in.Peek() != '\0') {
+  while (!in.IsAtEnd()) {
     if (in.Word() != "View" || !in.SkipQuoted() || !in.Take('{')) {
       return in.Error("expected View \"NAME\" {");
     }
     while (!in.Take('}')) {
+      if (in.IsAtEnd()) return in.Error("the file ends before }");
       const std::string_view kind = in.Word();
       const std::size_t corners = kind == "SP"   ? 1
                                   : kind == "SL" ? 2

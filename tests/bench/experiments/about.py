@@ -25,6 +25,7 @@ EXPERIMENTS = {
     "bounds.py": "edits beside m_f lg(L/s); static and dynamic; memory of the trace",
     "chains.py": "chains of dependence (Fig. 4.8)",
     "latency.py": "a million edits, to the 99.99th percentile",
+    "everyday.py": "the everyday commands beside Triangle, TetGen and Gmsh",
     "criteria.py": "the criterion of edges beside the thesis's",
 }
 

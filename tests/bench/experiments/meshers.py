@@ -34,7 +34,7 @@ def _limited(seconds: float) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 1))
 
 
-def _timed(command: list[str], limit: float) -> Optional[tuple[float, float, str]]:
+def timed(command: list[str], limit: float) -> Optional[tuple[float, float, str]]:
     """Processor seconds, peak megabytes and output; None if it took longer than `limit`."""
     with tempfile.TemporaryFile("w+") as out:
         process = subprocess.Popen(["/usr/bin/env", "LC_ALL=C", *command], stdout=out,
@@ -46,6 +46,13 @@ def _timed(command: list[str], limit: float) -> Optional[tuple[float, float, str
             return None
         out.seek(0)
         return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, out.read()
+
+
+def read_rows(path: pathlib.Path | str) -> np.ndarray:
+    """The rows of a file whose first line begins with their number."""
+    with open(path, encoding="ascii") as file:
+        count = int(file.readline().split()[0])
+        return np.loadtxt(file, max_rows=count, comments="#", ndmin=2)
 
 
 def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float) -> Optional[Run]:
@@ -62,7 +69,7 @@ def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float
 def dynmesh_of_file(program: pathlib.Path, path: pathlib.Path, flags: list[str],
                     limit: float) -> Optional[Run]:
     """All vertices count."""
-    timed = _timed([str(program), "mesh", str(path), *flags, "--json"], limit)
+    timed = timed([str(program), "mesh", str(path), *flags, "--json"], limit)
     if timed is None:
         return None
     figures = json.loads(timed[2])
@@ -82,7 +89,7 @@ def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
 
 def tetgen_of_file(path: pathlib.Path, flags: str, limit: float) -> Optional[Run]:
     """Without files of the result; its own count of seconds. All vertices count."""
-    timed = _timed(["tetgen", f"{flags}NEF", str(path)], limit)
+    timed = timed(["tetgen", f"{flags}NEF", str(path)], limit)
     if timed is None:
         return None
 

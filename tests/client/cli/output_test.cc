@@ -1,5 +1,7 @@
 // Files beside a mesh's, and the guard of the input's base name.
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,89 @@ TEST_F(Outputs, CompanionsAreWrittenOnRequest) {
   EXPECT_EQ(Run("mesh p.poly -o m.mesh --order 2").code, 2);
   EXPECT_EQ(Run("mesh p.poly -o m.msh --order 3").code, 2);
   EXPECT_EQ(Run("mesh p.poly -o m.msh -o m.vtu -o m.node -o m.svg --order 2").code, 0);
+}
+
+// The value of an attribute behind `from`, split at semicolons.
+std::vector<std::string> ValuesOf(const std::string& text, const std::string& attribute,
+                                  std::size_t from) {
+  const std::size_t begin = text.find(" " + attribute + "=\"", from) + attribute.size() + 3;
+  std::vector<std::string> values;
+  std::istringstream in(text.substr(begin, text.find('"', begin) - begin));
+  for (std::string value; std::getline(in, value, ';');) values.push_back(value);
+  return values;
+}
+
+// In each frame of an animation, the triangles that show are as many as the revision's mesh has,
+// and the orange ones as many as it added.
+TEST_F(Outputs, AnimationsShowEachRevision) {
+  std::string script = "mesh dim=2 box=0,0,8,8\nadd point 1 2 2\nadd point 2 6 3\ncommit\n";
+  for (int step = 0; step < 6; ++step) {
+    script += "add point " + std::to_string(10 + step) + " " + std::to_string(1 + step) + " 5\n" +
+              (step == 2   ? "add segment 5 1 2\n"
+               : step == 4 ? "remove 5\n"
+                           : "") +
+              "commit\n";
+  }
+  folder_.Write("s.dynmesh", script);
+  const Outcome ran = Run("replay s.dynmesh --json --animation a.svg --animate-from 2 --crop all");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto number = [](const std::string& line, const std::string& key) {
+    return std::stoul(line.substr(line.find("\"" + key + "\": ") + key.size() + 4));
+  };
+  const std::string svg = folder_.Read("a.svg");
+  constexpr std::size_t kFrames = 6;
+  std::vector<std::size_t> shown(kFrames, 0), orange(kFrames, 0), segments(kFrames, 0);
+  const auto value_at = [](const std::vector<std::string>& values,
+                           const std::vector<std::string>& times, std::size_t frame) {
+    std::string value;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (std::stod(times[i]) * kFrames < static_cast<double>(frame) + 0.5) value = values[i];
+    }
+    return value;
+  };
+  for (const std::string& line : Lines(svg)) {
+    if (!line.starts_with("<path")) continue;
+    const std::string path = ValuesOf(line, "d", 0)[0];
+    const auto closed = static_cast<std::size_t>(std::count(path.begin(), path.end(), 'z'));
+    for (std::size_t frame = 0; frame < kFrames; ++frame) {
+      const auto at = [&](const std::string& attribute) {
+        const std::size_t animation = line.find("attributeName=\"" + attribute + "\"");
+        if (animation == std::string::npos) {
+          return line.find("visibility=\"hidden\"") == std::string::npos ? "visible" : "hidden";
+        }
+        return value_at(ValuesOf(line, "values", animation), ValuesOf(line, "keyTimes", animation),
+                        frame) == (attribute == "fill" ? "#f6a821" : "visible")
+                   ? "visible"
+                   : "hidden";
+      };
+      if (std::string(at("visibility")) != "visible") continue;
+      shown[frame] += closed;
+      if (closed == 0) ++segments[frame];
+      const bool is_new = line.find("attributeName=\"fill\"") != std::string::npos;
+      if (is_new && std::string(at("fill")) == "visible") orange[frame] += closed;
+    }
+  }
+  const std::vector<std::string> revisions = Lines(ran.out);
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    const std::string& line = revisions[frame + 1];
+    EXPECT_EQ(shown[frame], number(line, "simplices")) << frame;
+    if (frame == 0) continue;  // what was there
+    EXPECT_EQ(orange[frame], number(line, "added_simplices")) << frame;
+    EXPECT_EQ(segments[frame] > 0, frame >= 2 && frame < 4) << frame;
+  }
+  folder_.Write("space.dynmesh", "mesh dim=3 box=0,0,0,8,8,8\nadd point 1 2 2 2\ncommit\n");
+  EXPECT_EQ(Run("replay space.dynmesh --animation a.svg").code, 2);
+  EXPECT_EQ(Run("replay s.dynmesh --animation a.png").code, 2);
+  EXPECT_EQ(Run("replay s.dynmesh --animation a.svg --animate-from 8").code, 2);
+}
+
+TEST_F(Outputs, ClipsAreOf3D) {
+  EXPECT_EQ(Run("mesh p.poly -o m.svg --clip z=1").code, 2);
+  folder_.Write("space.dynmesh", "mesh dim=3 box=0,0,0,8,8,8\nadd point 1 2 2 2\ncommit\n");
+  EXPECT_EQ(Run("mesh space.dynmesh -o m.svg --clip z=1 --cut z=1").code, 2);
+  EXPECT_EQ(Run("mesh space.dynmesh -o m.svg --clip w=1").code, 2);
+  ASSERT_EQ(Run("mesh space.dynmesh -o m.svg --clip z --fill size --legend --crop all").code, 0);
+  EXPECT_NE(folder_.Read("m.svg").find("clipped at z = 4<"), std::string::npos);
 }
 
 }  // namespace

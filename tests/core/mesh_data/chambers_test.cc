@@ -189,6 +189,32 @@ TEST(Chambers, ARoomOfSegmentsIsNoHoleOneOfAPolygonsEdgesIs) {
   EXPECT_EQ(FindChambers(mesh).count(), 1U);
 }
 
+// A segment that ends in a hole, or lies in it, has the hole on both sides: it is not around it.
+TEST(Chambers, ADanglingSegmentLeavesAHoleAHole) {
+  Mesh mesh = Grid(4);
+  const VertexId a = IdOf(1, 1), b = IdOf(3, 1), c = IdOf(3, 3), d = IdOf(1, 3);
+  const VertexId ab = IdOf(2, 1), bc = IdOf(3, 2), cd = IdOf(2, 3), da = IdOf(1, 2);
+  for (const auto& side :
+       {std::set{a, ab}, {ab, b}, {b, bc}, {bc, c}, {c, cd}, {cd, d}, {d, da}, {da, a}}) {
+    AddWall(mesh, side, 7);
+  }
+  const Chambers bare = FindChambers(mesh);
+  ASSERT_EQ(bare.count(), 2U);
+  mesh.regions.assign(mesh.simplex_count(), 7);
+  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+    if (bare.of[i] == 1) mesh.regions[i] = kNoRegion;
+  }
+  AddWall(mesh, {ab, IdOf(2, 2)}, 9);
+  Chambers chambers = FindChambers(mesh);
+  EXPECT_EQ(chambers.of, bare.of);
+  EXPECT_TRUE(chambers.is_hole[1]);
+  // From edge to edge it divides the hole: neither part has only edges of polygons around it.
+  AddWall(mesh, {IdOf(2, 2), cd}, 9);
+  chambers = FindChambers(mesh);
+  ASSERT_EQ(chambers.count(), 3U);
+  EXPECT_FALSE(chambers.is_hole[1] || chambers.is_hole[2]);
+}
+
 TEST(Chambers, PositionsAreLocatedExactly) {
   const Mesh mesh = WithRoom(7);
   const Chambers chambers = FindChambers(mesh);
@@ -224,6 +250,7 @@ TEST(Chambers, InSpaceTheyAreSeparatedByFacets) {
   const Chambers chambers = FindChambers(mesh);
   EXPECT_EQ(chambers.count(), 2U);
   EXPECT_TRUE(chambers.is_outside[0] && chambers.is_outside[1]);
+  EXPECT_FALSE(chambers.is_hole[0] || chambers.is_hole[1]);  // 3D has seeds of holes only
   const std::vector<std::array<double, 3>> positions = {
       {0.5, 0.3, 0.1}, {1.5, 0.3, 0.1}, {1, 0.4, 0.9}, {0.5, 0.5, 2.5}};
   const auto places = LocateInChambers(mesh, chambers, positions);

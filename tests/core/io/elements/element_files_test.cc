@@ -1,7 +1,10 @@
 // Readers of .msh, .mesh, .vtu and the files of Triangle and TetGen.
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "core/io/elements/element_mesh.h"
 #include "core/io/meshes/medit_writer.h"
 #include "core/io/meshes/mesh_files.h"
@@ -96,6 +99,8 @@ TEST(ElementFiles, SayWhereAndWhatIsWrong) {
       {"msh", Replaced(kMsh2, "$EndNodes\n", ""), 15, "expected $EndNodes"},
       {"msh", Replaced(kMsh2, "30 1 1 0", "30 1 nan 0"), 13, "not a finite number"},
       {"msh", Replaced(kMsh4, "1 10 20", "1 10"), 35, "vertex 2 does not exist"},
+      {"msh", std::string(kMsh4) + "$Tail\n1 2\n", 40, "section $Tail has no $EndTail"},
+      {"msh", Replaced(kMsh4, "$EndUnknown\n", ""), 15, "section $Unknown has no $EndUnknown"},
       {"mesh", "", 1, "MeshVersionFormatted"},
       {"mesh", Replaced(kMedit, "Dimension\n2", "Dimension\n4"), 2, "2 or 3"},
       {"mesh", Replaced(kMedit, "Edges", "Quadrilaterals"), 8, "section 'Quadrilaterals'"},
@@ -121,6 +126,61 @@ TEST(ElementFiles, SayWhereAndWhatIsWrong) {
     EXPECT_NE(said.find(message), std::string::npos) << said;
     EXPECT_TRUE(said.starts_with("a." + kind + ":" + std::to_string(line) + ": ")) << said;
   }
+}
+
+TEST(ElementFiles, NamesOfAMshAreKeptToTheLetter) {
+  for (const std::string name : {"two  blanks", "wall # 2", "#", " edge ", "tab\there"}) {
+    for (const char* text : {kMsh2, kMsh4}) {
+      const auto mesh = Parse("msh", Replaced(text, "Inlet of gas", name));
+      ASSERT_TRUE(mesh.ok()) << name << ": " << mesh.status();
+      EXPECT_EQ(mesh->names.at({1, 7}), name);
+      EXPECT_EQ(mesh->names.at({2, 2}), "Body");
+    }
+  }
+}
+
+TEST(ElementFiles, ValuesOfXmlMayHaveBrackets) {
+  const std::string attribute = "Note=\"a > b\" Other='\"/>' Name=\"connectivity\"";
+  const auto mesh = Parse("vtu", Replaced(kVtu, "Name=\"connectivity\"", attribute));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->triangles.size(), 2U);
+}
+
+// The size that an array announces is not believed: nothing is allocated for it.
+TEST(ElementFiles, ABlockOfAVtuIsNoLargerThanZlibCanUnpack) {
+  const auto base64 = [](const std::vector<std::uint32_t>& counts, const std::string& more) {
+    const auto* const bytes = reinterpret_cast<const char*>(counts.data());
+    return absl::Base64Escape(std::string(bytes, 4 * counts.size())) + absl::Base64Escape(more);
+  };
+  const std::string packed = std::string("\x78\x9c\x03\x00\x00\x00\x00\x01", 8);  // of nothing
+  std::string text = Replaced(kVtu, "version=\"0.1\"", "compressor=\"vtkZLibDataCompressor\"");
+  text = Replaced(text, "NumberOfCells=\"3\"", "NumberOfCells=\"2147483647\"");
+  for (const std::uint32_t size : {9288U, 1U << 31, ~0U}) {
+    const auto mesh =
+        Parse("vtu", Replaced(text, "format=\"ascii\">0 1 0 1 2 0 2 3",
+                              "format=\"binary\">" + base64({1, size, size, 8}, packed)));
+    ASSERT_FALSE(mesh.ok());
+    EXPECT_NE(std::string(mesh.status().message()).find("more bytes than zlib"), std::string::npos)
+        << mesh.status();
+  }
+}
+
+// With the most cells that a file may announce no bound overflows: the array is read, and what
+// lacks is said.
+TEST(ElementFiles, AVtuThatAnnouncesTheMostCellsIsReadToItsEnd) {
+  std::string text = Replaced(kVtu, "NumberOfCells=\"3\"", "NumberOfCells=\"2147483647\"");
+  text = Replaced(
+      text, "type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 0 1 2 0 2 3",
+      "type=\"Int64\" Name=\"connectivity\" format=\"binary\">" + [] {
+        std::string raw("\x40\0\0\0", 4);
+        for (const char v : {0, 1, 0, 1, 2, 0, 2, 3}) raw += v + std::string(7, '\0');
+        return absl::Base64Escape(raw);
+      }());
+  const auto mesh = Parse("vtu", text);
+  ASSERT_FALSE(mesh.ok());
+  EXPECT_NE(std::string(mesh.status().message()).find("have not 2147483647 values"),
+            std::string::npos)
+      << mesh.status();
 }
 
 // What our writers write is read as it was, in all formats.

@@ -1,8 +1,10 @@
 // .vtu and .mesh of 3D meshes, read back by code written from the formats only.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -103,6 +105,31 @@ TEST(SpaceVtu, TellsWhichTetrahedraAreBelowADihedralAngle) {
   }
 }
 
+// The rule of medit_writer.h by search and by volumes: outward of the first tetrahedron of the
+// least region.
+bool IsAsDocumented(const IndexedMesh& mesh, const std::array<std::uint32_t, 3>& corners) {
+  const std::set<std::uint32_t> side(corners.begin(), corners.end());
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
+    const auto& t = mesh.tetrahedra[i];
+    if (std::count_if(t.begin(), t.end(), [&](auto v) { return side.contains(v); }) != 3) continue;
+    if (!best || mesh.regions.Of(i) < mesh.regions.Of(*best)) best = i;
+  }
+  if (!best) return false;
+  const auto& t = mesh.tetrahedra[*best];
+  const auto apex = *std::find_if(t.begin(), t.end(), [&](auto v) { return !side.contains(v); });
+  std::array<std::array<double, 3>, 3> to;  // from the apex to the corners
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      to[j][k] = mesh.vertices[corners[j]].position()[k] - mesh.vertices[apex].position()[k];
+    }
+  }
+  const auto& [a, b, c] = to;
+  const double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+                        a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return volume > 0 && corners[0] == *side.begin();
+}
+
 TEST(SpaceMedit, HoldsTheMesh) {
   const TempFolder folder;
   const IndexedMesh mesh = LabelledMesh();
@@ -160,9 +187,13 @@ TEST(SpaceMedit, HoldsTheMesh) {
   }
   const auto faces = expect_rows("Triangles", mesh.faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
+    std::array<std::uint32_t, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(faces[i][k], std::to_string(mesh.faces[i].corners[k] + 1));
+      corners[k] = static_cast<std::uint32_t>(std::stoul(faces[i][k])) - 1;
     }
+    EXPECT_TRUE(IsAsDocumented(mesh, corners)) << "row " << i;
+    std::sort(corners.begin(), corners.end());
+    EXPECT_EQ(corners, mesh.faces[i].corners);
     EXPECT_EQ(name_of("reference", faces[i][3]), owner_name(mesh.faces[i].owner));
   }
   expect_rows("Edges", mesh.subsegment_count());

@@ -115,6 +115,13 @@ TEST(LeafList, APictureHasASquareForEachLeafInView) {
   ASSERT_TRUE(WriteLeafSvg(list, svg, folder.Path("t.svg")).ok());
   std::string text = folder.Read("t.svg");
   EXPECT_EQ(CountOf(text, "M"), list.leaves.size());
+  EXPECT_EQ(CountOf(text, "<text"), 0u);
+  svg.legend = true;
+  ASSERT_TRUE(WriteLeafSvg(list, svg, folder.Path("t.svg")).ok());
+  text = folder.Read("t.svg");
+  EXPECT_EQ(CountOf(text, ">side of a cell<"), 1u);
+  EXPECT_EQ(CountOf(text, "<text"), 3u);  // with the sides of the finest and the coarsest leaves
+  svg.legend = false;
   svg.crop = Box{{0, 0, 0}, {0.01, 0.01, 0}};
   ASSERT_TRUE(WriteLeafSvg(list, svg, folder.Path("t.svg")).ok());
   EXPECT_EQ(CountOf(folder.Read("t.svg"), "M"), 1u);

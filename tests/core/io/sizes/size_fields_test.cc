@@ -42,15 +42,19 @@ double TargetAt(const std::vector<Feature>& sizes, const std::array<double, 3>& 
   return least;
 }
 
-std::string Npy(const std::string& shape, const std::vector<double>& values) {
-  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + ", }\n";
+std::string Npy(const std::string& shape, const std::string& type, const std::string& data) {
+  std::string header =
+      "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }\n";
   std::string file = "\x93NUMPY";
   file += std::string("\x01\0", 2);
   file += static_cast<char>(header.size() % 256);
   file += static_cast<char>(header.size() / 256);
-  file += header;
-  file.append(reinterpret_cast<const char*>(values.data()), 8 * values.size());
-  return file;
+  return file + header + data;
+}
+
+std::string Npy(const std::string& shape, const std::vector<double>& values) {
+  return Npy(shape, "<f8",
+             std::string(reinterpret_cast<const char*>(values.data()), 8 * values.size()));
 }
 
 TEST(SizeRaster, GivesEachCellAtMostItsLength) {
@@ -98,6 +102,50 @@ TEST(SizeRaster, OfEsriBeginsWithTheTopRow) {
   EXPECT_EQ(raster->box.hi, (std::array<double, 3>{20, 30, 0}));
 }
 
+TEST(SizeRaster, OfEsriMayGiveTheCentreOfTheFirstCellOnOneAxis) {
+  const auto raster = ParseEsriAscii(
+      TextReader("a.asc", "ncols 2\nnrows 1\nxllcenter 10\nyllcorner 20\ncellsize 4\n1 2\n"));
+  ASSERT_TRUE(raster.ok()) << raster.status();
+  EXPECT_EQ(raster->box.lo, (std::array<double, 3>{8, 20, 0}));
+  EXPECT_EQ(raster->box.hi, (std::array<double, 3>{16, 24, 0}));
+}
+
+TEST(SizeRaster, OfNumpyMayBeOfEitherByteOrder) {
+  const Box box = Options(2, 4).box;
+  const std::vector<double> expected = {1, 2};
+  const std::pair<std::string, std::string> files[] = {
+      {"<f8", std::string("\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\x40", 16)},
+      {">f8", std::string("\x3f\xf0\0\0\0\0\0\0\x40\0\0\0\0\0\0\0", 16)},
+      {"<f4", std::string("\0\0\x80\x3f\0\0\0\x40", 8)},
+      {">f4", std::string("\x3f\x80\0\0\x40\0\0\0", 8)},
+      {">i8", std::string("\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0\2", 16)},
+      {"<i4", std::string("\1\0\0\0\2\0\0\0", 8)},
+      {">i2", std::string("\0\1\0\2", 4)},
+      {"<u2", std::string("\1\0\2\0", 4)},
+      {"|u1", std::string("\1\2", 2)}};
+  for (const auto& [type, data] : files) {
+    const auto raster = ParseNpy("a.npy", Npy("(1, 2)", type, data), box, 2);
+    ASSERT_TRUE(raster.ok()) << type << ": " << raster.status();
+    EXPECT_EQ(raster->values, expected) << type;
+  }
+}
+
+// As programs that read maps give it: a band of rows.
+TEST(SizeRaster, OfNumpyMayHaveOneLayerMore) {
+  const Box box = Options(2, 4).box;
+  const auto raster = ParseNpy("a.npy", Npy("(1, 2, 2)", {1, 2, 3, 4}), box, 2);
+  ASSERT_TRUE(raster.ok()) << raster.status();
+  EXPECT_EQ(raster->counts, (std::array<std::size_t, 3>{2, 2, 1}));
+  EXPECT_EQ(SizesOf(*raster, box, 1, 2)->size(), 4U);
+  // In 3D it is a raster of one layer.
+  const Box cube = Options(3, 4).box;
+  const auto layer = ParseNpy("a.npy", Npy("(1, 2, 2)", {1, 2, 3, 4}), cube, 3);
+  ASSERT_TRUE(layer.ok()) << layer.status();
+  const auto sizes = SizesOf(*layer, cube, 1, 3);
+  ASSERT_TRUE(sizes.ok()) << sizes.status();
+  EXPECT_EQ(TargetAt(*sizes, {3, 1, 3.9}, 3), 2);
+}
+
 TEST(SizeView, GivesNoPlaceMoreThanTheLinearLength) {
   const auto view = ParsePos("a.pos",
                              "// a comment\nView \"h\" {\nST(0,0,0, 8,0,0, 0,8,0){.25, 1, 2};\n"
@@ -124,6 +172,36 @@ TEST(SizeView, DoesNotCutWhatIsOutsideTheBox) {
   const auto sizes = SizesOf(*view, Options(2, 8).box, 1, 2);
   ASSERT_TRUE(sizes.ok());
   EXPECT_EQ(*sizes, std::vector<Feature>{Feature::SizeAt(1, 1, 1, .5)});
+}
+
+TEST(SizeView, NumbersEndAtAnyBlank) {
+  const auto view =
+      ParsePos("a.pos", "View\t\"\" {\r\nSL(0\t,0\r\n,0\t, 1,1 ,0){1\r\n,2\t};\r\n};\r\n");
+  ASSERT_TRUE(view.ok()) << view.status();
+  EXPECT_EQ(view->elements.at(0).values, (std::vector<double>{1, 2}));
+}
+
+// A line beyond the box whose only piece's disc reaches in.
+TEST(SizeView, CoversWhatADiscFromOutsideReaches) {
+  for (const int dimension : {2, 3}) {
+    SizeView view;
+    view.file = "a.pos";
+    view.elements = {{{{-3, 1, 1}, {1, 1, 1}}, {2, 2}}, {{{-9, 1, 1}, {-5, 1, 1}}, {2, 2}}};
+    const Box box = Options(dimension, 8).box;
+    const auto sizes = SizesOf(view, box, 1, dimension);
+    ASSERT_TRUE(sizes.ok());
+    ASSERT_EQ(sizes->size(), 1U);
+    const Feature& f = sizes->front();
+    EXPECT_GE(f.position[0], box.lo[0]);  // validation refuses centres outside
+    EXPECT_EQ(TargetAt(*sizes, {.9, 1, 1}, dimension), 2);
+    // What the ball of the piece has in the box is in the ball that stands for it.
+    for (double y = 0; y < 3; y += 0.01) {
+      const double d = std::hypot(1., y - 1);
+      if (d > 2) continue;
+      EXPECT_EQ(TargetAt(*sizes, {0, y, 1}, dimension), 2) << y;
+    }
+    EXPECT_EQ(TargetAt(*sizes, {2, 1, 1}, dimension), HUGE_VAL);
+  }
 }
 
 TEST(SizeView, OfAnMtrIsOfPointsOrOfAMeshOfItsOwn) {
@@ -153,6 +231,16 @@ TEST(SizeFields, SayWhereAndWhatIsWrong) {
       {"c.asc", "nrows 1\n1\n", "no count ncols"},
       {"d.asc", "ncols 99999\nnrows 99999\ncellsize 1\n1\n", "too short"},
       {"e.asc", "ncols 1\nnrows 1\ncellsize 0\n1\n", "no cellsize above 0"},
+      {"f.asc", "ncols 2.5\n" + head.substr(8) + "1 2\n", "f.asc:6: the header has no count ncols"},
+      {"g.asc", "ncols 2\nnrows 1\nyllcorner 0\ncellsize 1\n1 2\n",
+       "g.asc:5: the header has no xllcorner"},
+      {"h.asc", "yllcenter 0\n" + head + "1 2\n",
+       "h.asc:7: the header has both yllcorner and yllcenter"},
+      {"e.npy", Npy("(1, 2)", "<c16", std::string(32, 'x')), "type '<c16' cannot be read"},
+      {"f.npy", Npy("(2, 1, 2)", {1, 2, 3, 4}), "the array has 3 dimensions, the mesh 2"},
+      {"e.pos", "View \"h\" {\nSP(1,1,0){1};};\n" + std::string(1, '\0'), "e.pos:3: expected View"},
+      {"f.pos", "View \"h\" {\nSP(1,1,0){1};", "f.pos:2: the file ends before }"},
+      {"g.pos", "View \"h\" {\nSP(1,1,0){1,", "g.pos:2: not a finite number: ''"},
       {"a.npy", "numpy", "a.npy: not a file of numpy"},
       {"b.npy", Npy("(2, 2)", {1, 2, 3}), "24 bytes, not 32"},
       {"c.npy", Npy("(2,)", {1, 2}), "the array has 1 dimensions, the mesh 2"},
