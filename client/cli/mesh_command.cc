@@ -55,6 +55,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
         .Add("exempt", quality.exempt)
         .Add("exempt_by_guard", quality.exempt_by_guard)
         .Add("below_dihedral", quality.below_dihedral)
+        .Add("exempt_dihedral", quality.exempt_dihedral)
         .Add("build_seconds", build_seconds)
         .AddText("hash", mesh.hash.ToHex())
         .ToLine();
@@ -76,7 +77,8 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
       in_space ? absl::StrFormat("subfacets          %d\n", mesh.subfacets.size()) : "",
       AnglesWord(mesh.dimension), quality.min_angle_deg, quality.max_angle_deg,
       quality.worst_radius_edge, quality.over_rho, quality.exempt, quality.exempt_by_guard,
-      BelowDihedralText(quality.below_dihedral, min_dihedral), build_seconds, mesh.hash.ToHex());
+      BelowDihedralText(quality.below_dihedral, quality.exempt_dihedral, min_dihedral),
+      build_seconds, mesh.hash.ToHex());
 }
 
 std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, double build_seconds,

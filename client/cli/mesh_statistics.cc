@@ -71,7 +71,7 @@ std::string BoundsText(const MeshStatistics& s) {
     return absl::StrFormat(
                "slivers            %.3g %% of the tetrahedra below 5 degrees, %.3g %% below 10\n",
                100 * s.quality.share_below_5_deg, 100 * s.quality.share_below_10_deg) +
-           BelowDihedralText(s.quality.below_dihedral, s.min_dihedral);
+           BelowDihedralText(s.quality.below_dihedral, s.quality.exempt_dihedral, s.min_dihedral);
   }
   return absl::StrFormat("rho allows         %.2f to %.2f degrees\n", LeastAngle(s.rho),
                          180 - 2 * LeastAngle(s.rho));
@@ -215,7 +215,10 @@ std::string StatisticsJson(const MeshStatistics& s) {
   if (s.dimension == 3) {
     object.Add("share_below_5_deg", s.quality.share_below_5_deg)
         .Add("share_below_10_deg", s.quality.share_below_10_deg);
-    if (s.min_dihedral > 0) object.Add("below_dihedral", s.quality.below_dihedral);
+    if (s.min_dihedral > 0) {
+      object.Add("below_dihedral", s.quality.below_dihedral)
+          .Add("exempt_dihedral", s.quality.exempt_dihedral);
+    }
     object.AddObjects("worst_dihedral", WorstJson(s));
   } else {
     object.Add("rho_min_angle_deg", LeastAngle(s.rho))

@@ -77,7 +77,10 @@ std::string FormatJson(const VerifyReport& report, double rho, std::optional<dou
       .Add("exempt", report.exempt)
       .Add("exempt_by_guard", report.exempt_by_guard);
   if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
-  if (min_dihedral) object.Add("below_dihedral", report.below_dihedral);
+  if (min_dihedral) {
+    object.Add("below_dihedral", report.below_dihedral)
+        .Add("exempt_dihedral", report.exempt_dihedral);
+  }
   if (conformity) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
   if (report.not_delaunay != 0) object.Add("not_delaunay", report.not_delaunay);
   object.AddText("hash", report.hash.ToHex());
@@ -97,8 +100,13 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
       subfacets, AnglesWord(report.dimension), report.min_angle_deg, report.max_angle_deg,
       report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard);
   if (min_dihedral) {
-    text += absl::StrFormat("tetrahedra with a dihedral angle below %.6g degrees: %d\n",
+    text += absl::StrFormat("tetrahedra with a dihedral angle below %.6g degrees: %d",
                             *min_dihedral, report.below_dihedral);
+    if (report.exempt_dihedral != 0) {
+      text +=
+          absl::StrFormat(" (and %d exempt at small angles of the input)", report.exempt_dihedral);
+    }
+    text += "\n";
   }
   if (conformity) text += ConformityText(*conformity);
   if (report.not_delaunay != 0) {

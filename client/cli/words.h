@@ -17,10 +17,14 @@ constexpr const char* AnglesWord(int dimension) {
 }
 // A line with the number of tetrahedra with an angle below the bound in degrees; empty without a
 // bound.
-inline std::string BelowDihedralText(std::uint64_t count, double min_dihedral) {
+// `exempt`: those below because of small angles of the input, which do not count.
+inline std::string BelowDihedralText(std::uint64_t count, std::uint64_t exempt,
+                                     double min_dihedral) {
   if (!(min_dihedral > 0)) return "";
-  return absl::StrFormat("below dihedral     %d with an angle below %.6g degrees\n", count,
-                         min_dihedral);
+  const std::string more =
+      exempt == 0 ? "" : absl::StrFormat(", %d exempt at small angles of the input", exempt);
+  return absl::StrFormat("below dihedral     %d with an angle below %.6g degrees%s\n", count,
+                         min_dihedral, more);
 }
 
 }  // namespace dynmesh::cli

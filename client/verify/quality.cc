@@ -5,10 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
-#include <vector>
 
-#include "absl/container/flat_hash_map.h"
+#include "client/verify/excuses.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -44,77 +42,18 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   return shape;
 }
 
-// An edge is excused if its ends lie on two segments that meet at less than 60 degrees, at the same
-// distance from the common point.
-class Excuses {
- public:
+// (circumradius / shortest edge that is not excused)^2; 0 if all are excused.
+long double RatioSquared(const io::IndexedMesh& mesh, const Excuses& excuses,
+                         const io::IndexedMesh::Triangle& t, long double* shortest) {
   using Real = long double;
-  Excuses(const io::IndexedMesh& mesh, double ulp)
-      : mesh_(mesh), tolerance_(16 * ulp), segment_(mesh.vertices.size()) {
-    // Subsegments with a common vertex inside a segment are of the same segment.
-    std::iota(segment_.begin(), segment_.end(), 0u);
-    const auto is_inner = [&](std::uint32_t v) {
-      return mesh.vertices[v].containing_dimension == 1;
-    };
-    const auto is_input = [](const auto& e) {
-      return e.owner != kNoFeature && e.owner != kBoxFeature;
-    };
-    for (const auto& e : mesh.edges) {
-      if (is_input(e) && is_inner(e.a) && is_inner(e.b)) segment_[SegmentOf(e.a)] = SegmentOf(e.b);
-    }
-    for (const auto& e : mesh.edges) {
-      if (!is_input(e) || is_inner(e.a) == is_inner(e.b)) continue;
-      ends_[SegmentOf(is_inner(e.a) ? e.a : e.b)].push_back(is_inner(e.a) ? e.b : e.a);
-    }
-  }
-
-  bool Excused(std::uint32_t p, std::uint32_t q) const {
-    const auto &vp = mesh_.vertices[p], &vq = mesh_.vertices[q];
-    if (vp.containing_dimension != 1 || vq.containing_dimension != 1) return false;
-    const auto s = ends_.find(SegmentOf(p)), t = ends_.find(SegmentOf(q));
-    if (s == t || s == ends_.end() || t == ends_.end()) return false;
-    for (const std::uint32_t apex : s->second) {
-      if (std::ranges::find(t->second, apex) == t->second.end()) continue;
-      const Real to_p = Distance(apex, p), to_q = Distance(apex, q), across = Distance(p, q);
-      // By the chord: across = 2 r sin(angle / 2), and sin 30 degrees = 1/2.
-      if (std::abs(to_p - to_q) <= tolerance_ && across < std::max(to_p, to_q)) return true;
-    }
-    return false;
-  }
-
-  // (circumradius / shortest edge that is not excused)^2; 0 if all are excused.
-  Real RatioSquared(const io::IndexedMesh::Triangle& t, Real* shortest) const {
-    Real product = 1;
-    *shortest = std::numeric_limits<Real>::infinity();
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t p = t[i], q = t[(i + 1) % 3];
-      product *= Distance(p, q);
-      if (!Excused(p, q)) *shortest = std::min(*shortest, Distance(p, q));
-    }
-    const auto &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
-    const Real cross =
-        (Real{b.x} - a.x) * (Real{c.y} - a.y) - (Real{b.y} - a.y) * (Real{c.x} - a.x);
-    const Real radius = product / (2 * cross);
-    return radius / *shortest * (radius / *shortest);
-  }
-
- private:
-  Real Distance(std::uint32_t p, std::uint32_t q) const {
-    const auto &a = mesh_.vertices[p], &b = mesh_.vertices[q];
-    return std::hypot(Real{a.x} - b.x, Real{a.y} - b.y);
-  }
-
-  // The representative of the segment with v in its inside.
-  std::uint32_t SegmentOf(std::uint32_t v) const {
-    while (segment_[v] != v) v = segment_[v] = segment_[segment_[v]];
-    return v;
-  }
-
-  const io::IndexedMesh& mesh_;
-  const Real tolerance_;
-  mutable std::vector<std::uint32_t> segment_;  // by vertex; a union-find forest
-  absl::flat_hash_map<std::uint32_t, std::vector<std::uint32_t>> ends_;  // of a segment
-};
+  Real product = 1;
+  for (int i = 0; i < 3; ++i) product *= excuses.Distance(t[i], t[(i + 1) % 3]);
+  *shortest = excuses.ShortestOf(t);
+  const auto &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+  const Real cross = (Real{b.x} - a.x) * (Real{c.y} - a.y) - (Real{b.y} - a.y) * (Real{c.x} - a.x);
+  const Real radius = product / (2 * cross);
+  return radius / *shortest * (radius / *shortest);
+}
 
 // The termination guard accepts a bad triangle if its repair point (its circumcenter, or the point
 // nearer to an edge at which that edge's triangle is just good) lies in the diametral circle of a
@@ -199,7 +138,7 @@ VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& 
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
     long double shortest = 0;
-    const long double squared = excuses.RatioSquared(mesh.triangles[t], &shortest);
+    const long double squared = RatioSquared(mesh, excuses, mesh.triangles[t], &shortest);
     const double bound =
         rho * (1 + Slack(std::isinf(shortest) ? 0 : static_cast<double>(shortest), ulp));
     if (shape.ratio < HUGE_VAL && shortest > shape.shortest && squared <= bound * bound) {

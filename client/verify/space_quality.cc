@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "client/verify/excuses.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -59,9 +60,10 @@ using ExactVector = ExactKernel::Vector_3;
 // sin^2 of the angle between two faces at their common edge is
 //   |n x m|^2 / (|n|^2 |m|^2)
 // with outward normals n, m, and the angle is acute iff n m < 0. This is rational. The bound's sine
-// has 64 bits, so the comparison is practically exact.
+// has 64 bits, so the comparison is practically exact. Angles opposite to excused edges do not
+// count.
 bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t,
-                    Real degrees) {
+                    Real degrees, const Excuses& excuses) {
   const std::array<ExactKernel::Point_3, 4> p = ExactCorners(mesh, t);
   if (CGAL::orientation(p[0], p[1], p[2], p[3]) != CGAL::POSITIVE) return degrees > 0;
   const ExactVector a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
@@ -75,7 +77,7 @@ bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahed
       CGAL::Exact_rational(high) + CGAL::Exact_rational(static_cast<double>(sine - high));
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = i + 1; j < 4; ++j) {
-      if (n[i] * n[j] >= 0) continue;
+      if (n[i] * n[j] >= 0 || excuses.Excused(t[i], t[j])) continue;
       const CGAL::Exact_rational across = CGAL::cross_product(n[i], n[j]).squared_length();
       if (across < s * s * n[i].squared_length() * n[j].squared_length()) return true;
     }
@@ -148,12 +150,20 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t
 VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report) {
   Findings findings("quality");
   const double ulp = LargestUlp(mesh);
+  const Excuses excuses(mesh, ulp);
   report.min_angle_deg = mesh.tetrahedra.empty() ? 0 : 180;
   for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Shape shape = Measure(mesh, mesh.tetrahedra[t]);
     Record(shape, report);
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
+    const auto shortest = static_cast<double>(excuses.ShortestOf(mesh.tetrahedra[t]));
+    const double bound = rho * (1 + Slack(std::isinf(shortest) ? 0 : shortest, ulp));
+    if (shape.ratio < HUGE_VAL && shortest > shape.shortest &&
+        shape.ratio * (shape.shortest / shortest) <= bound) {
+      ++report.exempt;
+      continue;
+    }
     findings.Add(
         text::Concat(TetrahedronName(t), " has circumradius / shortest edge ", shape.ratio));
   }
@@ -168,14 +178,19 @@ VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, Veri
     double angle;
     std::uint32_t tetrahedron;
   };
+  const Excuses excuses(mesh, LargestUlp(mesh));
   std::vector<Below> all;
   for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Shape shape = Measure(mesh, mesh.tetrahedra[t]);
     const bool is_unsure =
         std::abs(shape.min_angle - min_dihedral) <= kUnsure || shape.least_area < kNeedle;
-    if (is_unsure ? IsBelowExactly(mesh, mesh.tetrahedra[t], min_dihedral)
-                  : shape.min_angle < min_dihedral) {
+    const bool is_below = shape.min_angle < min_dihedral;
+    const bool has_excuse = is_below && excuses.AnyOf(mesh.tetrahedra[t]);
+    if (is_unsure || has_excuse ? IsBelowExactly(mesh, mesh.tetrahedra[t], min_dihedral, excuses)
+                                : is_below) {
       all.push_back({shape.min_angle, t});
+    } else if (is_below) {
+      ++report.exempt_dihedral;
     }
   }
   report.below_dihedral = all.size();

@@ -83,6 +83,7 @@ struct VerifyReport {
   std::uint64_t exempt = 0;           // of the triangles over rho
   std::uint64_t exempt_by_guard = 0;  // of the exempt: repairing them would split a subsegment
   std::uint64_t below_dihedral = 0;   // in 3D, tetrahedra below the given bound
+  std::uint64_t exempt_dihedral = 0;  // below it at excused angles alone; not among those
   std::uint64_t not_delaunay = 0;     // sides, of a foreign mesh
   MeshHash hash;
 

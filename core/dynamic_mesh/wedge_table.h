@@ -1,7 +1,7 @@
 // The segments by their two ends, and the segments at each point with their angles. A segment's
 // shape determines how it is split (meshing/shells.h), and depends on its neighbours in angle at
 // both ends. Reports the segments with changed shapes after additions and removals, and keeps the
-// mesher's data of each. In 3D segments have no shapes: all are halved. Thread-compatible.
+// mesher's data of each. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 
@@ -74,7 +74,8 @@ class WedgeTable {
   }
 
   // Calls changed(&segment) for each segment that is new or has another shape since the last call;
-  // changed sets its root. position(v) is v's point. O(k log k) for a point with k segments.
+  // changed sets its root. position(v) is v's point. O(k log k) for a point with k
+  // segments, in 3D O(k^2).
   template <class Position, class Changed>
   void Update(Position position, Changed changed) {
     std::vector<Index> affected;
@@ -82,7 +83,7 @@ class WedgeTable {
     for (const Vertex apex : touched_) {
       const auto at = at_.find(apex);
       if (at == at_.end()) continue;
-      if constexpr (D == 2) FindWedgesAt(apex, at->second, position);
+      FindWedgesAt(apex, at->second, position);
       affected.insert(affected.end(), at->second.begin(), at->second.end());
     }
     touched_.clear();
@@ -110,7 +111,7 @@ class WedgeTable {
       const Segment& s = segments_[index];
       others_.push_back(position(s.ends[s.ends[0] == apex ? 1 : 0]));
     }
-    const auto wedges = meshing::FindWedges(position(apex), others_);
+    const auto wedges = meshing::FindWedges<D>(position(apex), others_);
     for (std::size_t i = 0; i < others_.size(); ++i) {
       Segment& s = segments_[users[i]];
       s.wedges[s.ends[0] == apex ? 0 : 1] = wedges[i];
@@ -118,11 +119,8 @@ class WedgeTable {
   }
   template <class Position>
   meshing::SegmentShape ShapeOf(const Segment& s, Position position) const {
-    if constexpr (D == 2) {
-      const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
-      return meshing::ShapeOf(length, s.wedges[0], s.wedges[1]);
-    }
-    return {};
+    const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
+    return meshing::ShapeOf<D>(length, s.wedges[0], s.wedges[1]);
   }
   template <class T>
   static void SortUnique(std::vector<T>& values) {

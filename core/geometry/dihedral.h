@@ -32,6 +32,12 @@ class DihedralBound {
   }
   // The same for corners sorted by position.
   bool IsBelowSorted(const std::array<Point3, 4>& p) const {
+    return IsBelowSorted(p, [](int, int) { return false; });
+  }
+  // The same without the angles opposite to excused edges: is_excused(i, j), of the edge between
+  // corners j < i.
+  template <class IsExcused>
+  bool IsBelowSorted(const std::array<Point3, 4>& p, IsExcused is_excused) const {
     const Vector3 a = Difference(p[1].c, p[0].c), b = Difference(p[2].c, p[0].c),
                   c = Difference(p[3].c, p[0].c), u = Difference(p[2].c, p[1].c),
                   w = Difference(p[3].c, p[1].c);
@@ -42,7 +48,9 @@ class DihedralBound {
     bool is_below = false;
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < i; ++j) {
-        is_below |= !(-Dot(n[i], n[j]) < cosine_ * (length[i] * length[j]));
+        // Faces i and j meet at the edge opposite to that between corners i and j.
+        const bool is_small = !(-Dot(n[i], n[j]) < cosine_ * (length[i] * length[j]));
+        is_below |= is_small && !is_excused(i, j);
       }
     }
     return is_below;

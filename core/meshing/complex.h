@@ -90,7 +90,7 @@ struct Complex {
     double distance;          // from the apex
   };
   std::optional<Shell> ShellOf(VertexIndex v) const;
-  // 2D: true if both lie on one shell, on segments that meet at a small angle.
+  // True if both lie on one shell, on segments that meet at a small angle.
   bool IsSeditious(VertexIndex v, VertexIndex u) const;
 
   // --- Input ------------------------------------------------------------------------------
@@ -259,14 +259,10 @@ template <int D, template <class> class E>
 bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
   if (vertex(v).dimension != 1 || vertex(u).dimension != 1) return false;
   if (!Counts(RefinementTerm::kSeditiousIsExempt)) return false;
-  if constexpr (D == 2) {
-    const auto of_v = ShellOf(v), of_u = ShellOf(u);
-    return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
-           of_v->other != of_u->other &&
-           geometry::IsSmallAngle(vertex(of_v->apex).p, vertex(of_v->other).p,
-                                  vertex(of_u->other).p);
-  }
-  return false;
+  const auto of_v = ShellOf(v), of_u = ShellOf(u);
+  return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
+         of_v->other != of_u->other &&
+         geometry::IsSmallAngle(vertex(of_v->apex).p, vertex(of_v->other).p, vertex(of_u->other).p);
 }
 
 template <int D, template <class> class E>

@@ -84,6 +84,10 @@ class CureWork {
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
   // good tetrahedra.
   void MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
+  bool IsSliver(const std::array<VertexIndex, 4>& v, const std::array<Point, 4>& p) const {
+    return complex_.slivers.IsSliver(
+        v, p, [this](VertexIndex a, VertexIndex b) { return complex_.IsSeditious(a, b); });
+  }
   // True if the tetrahedron at corner i of the star is good.
   bool IsGoodCorner(int i, const Sliver& sliver) const;
   void AddCornerTo(Reads* reads, int i) const;
@@ -166,7 +170,7 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     base.CavityOf(x, sliver.simplex, &cavity_);
     for (const auto& [a, b, c] : cavity_.facets) {
       const Point &p = base.position(a), &q = base.position(b), &r = base.position(c);
-      if (!complex_.slivers.bound().IsBelow({p, q, r, x})) continue;
+      if (!IsSliver({a, b, c, kNil}, {p, q, r, x})) continue;
       if (!Counts(RefinementTerm::kCureKeepsAngles)) continue;
       const geometry::Circumball ball = geometry::CircumballOf(x, p, r, q);
       const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
@@ -235,22 +239,24 @@ bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
   if constexpr (D == 3) {
     const auto& corner = star_.corner(i);
     std::array<Point, 4> p;
-    p[3] = star_.position();
+    std::array<VertexIndex, 4> v;
+    p[3] = star_.position(), v[3] = kNil;
     const double least2 = kCureDistance * kCureDistance * sliver.shortest2;
     double shortest2 = INFINITY;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto& u = star_[corner.n[k]];
-      p[k] = u.p;
+      p[k] = u.p, v[k] = u.id;
       if (u.d2 < least2) return false;
       shortest2 = std::min(shortest2, u.d2);
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      shortest2 = std::min(shortest2, geometry::SquaredDistance(p[k], p[(k + 1) % 3]));
+      const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
+      if (d2 < shortest2 && !complex_.IsSeditious(v[k], v[(k + 1) % 3])) shortest2 = d2;
     }
     using enum RefinementTerm;
     return !(Counts(kCureKeepsQuality) && complex_.rules.IsTooFar(corner.r2, shortest2)) &&
            !complex_.IsTooLarge(CentreOf(star_, i), corner.r2) &&
-           !(Counts(kCureKeepsAngles) && complex_.slivers.bound().IsBelow(p));
+           !(Counts(kCureKeepsAngles) && IsSliver(v, p));
   }
   return false;
 }

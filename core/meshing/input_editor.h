@@ -142,9 +142,7 @@ SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, Feat
   const bool forward = complex_.vertex(a).p < complex_.vertex(b).p;
   sub.a = sub.whole_a = forward ? a : b;
   sub.b = sub.whole_b = forward ? b : a;
-  if constexpr (D == 2) {
-    sub.split_rule = SplitRule::Whole(shape, LengthOf(complex_.vertex(a).p, complex_.vertex(b).p));
-  }
+  sub.split_rule = SplitRule::Whole(shape, LengthOf(complex_.vertex(a).p, complex_.vertex(b).p));
   sub.feature = feature;
   // No feature is near the sides of the domain (DomainBox).
   if (feature == 0) {

@@ -35,7 +35,7 @@ enum class RefinementTerm {
   kHidingSplits,     // vertices on the surface that hide it do not
   kCascades,         // a split does not split what its vertex encroaches on
   kDepthEnds,        // subsegments are split more often than max_depth
-  kSharpOnShells,    // 2D: segments at a sharp angle are halved
+  kSharpOnShells,    // segments at a sharp angle are halved
   kNearSplits,       // features near a segment do not split it beforehand
   kNearFacetSplits,  // facets do not
   kTooLongSplits,    // sizing regions do not

@@ -1,7 +1,9 @@
 #include "core/meshing/shells.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 
 #include "core/geometry/angles.h"
@@ -10,34 +12,69 @@
 namespace dynmesh::meshing {
 namespace {
 
-using geometry::Point2;
+using geometry::Point;
 
-struct Vector {
-  double x, y;
-  double squared() const { return x * x + y * y; }
-};
-Vector Minus(const Point2& p, const Point2& q) { return {p[0] - q[0], p[1] - q[1]}; }
-double Dot(const Vector& u, const Vector& w) { return u.x * w.x + u.y * w.y; }
+template <int D>
+using Vector = std::array<double, D>;
 
-}  // namespace
+template <int D>
+Vector<D> Minus(const Point<D>& p, const Point<D>& q) {
+  Vector<D> d;
+  for (int i = 0; i < D; ++i) d[static_cast<std::size_t>(i)] = p[i] - q[i];
+  return d;
+}
 
-std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> others) {
+template <std::size_t D>
+double Dot(const std::array<double, D>& u, const std::array<double, D>& w) {
+  double sum = u[0] * w[0];
+  for (std::size_t i = 1; i < D; ++i) sum += u[i] * w[i];
+  return sum;
+}
+
+// |u x w|. The same for w, u.
+double Across(const Vector<2>& u, const Vector<2>& w) {
+  return std::fabs(u[0] * w[1] - u[1] * w[0]);
+}
+double Across(const Vector<3>& u, const Vector<3>& w) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const double minor = u[i] * w[j] - u[j] * w[i];
+    sum += minor * minor;
+  }
+  return std::sqrt(sum);
+}
+
+// Calls f(i, j) for the pairs of segments that may be neighbours.
+template <class F>
+void ForEachPair(const Point<2>& apex, std::span<const Point<2>> others, F f) {
   const std::size_t n = others.size();
-  std::vector<WedgeEnd> ends(n);
-  if (n < 2) return ends;
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
     return geometry::PrecedesInAngle(apex, others[i], others[j]);
   });
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t s = order[i], t = order[i + 1 == n ? 0 : i + 1];
-    if (!Counts(RefinementTerm::kSharpOnShells)) continue;
-    if (!geometry::IsSmallAngle(apex, others[s], others[t])) continue;
-    const Vector u = Minus(others[s], apex), w = Minus(others[t], apex);
+  for (std::size_t i = 0; i < n; ++i) f(order[i], order[i + 1 == n ? 0 : i + 1]);
+}
+template <class F>
+void ForEachPair(const Point<3>&, std::span<const Point<3>> others, F f) {
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    for (std::size_t j = i + 1; j < others.size(); ++j) f(i, j);
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<WedgeEnd> FindWedges(const Point<D>& apex, std::span<const Point<D>> others) {
+  std::vector<WedgeEnd> ends(others.size());
+  if (others.size() < 2 || !Counts(RefinementTerm::kSharpOnShells)) return ends;
+  ForEachPair(apex, others, [&](std::size_t s, std::size_t t) {
+    if (!geometry::IsSmallAngle(apex, others[s], others[t])) return;
+    const Vector<D> u = Minus(others[s], apex), w = Minus(others[t], apex);
     const double dot = Dot(u, w);
-    const double lu = std::sqrt(u.squared()), lw = std::sqrt(w.squared());
-    const double sine = std::fabs(u.x * w.y - u.y * w.x) / (lu * lw);
+    const double lu = std::sqrt(Dot(u, u)), lw = std::sqrt(Dot(w, w));
+    const double sine = Across(u, w) / (lu * lw);
     const auto meet = [sine](WedgeEnd& end, double reach) {
       end.acute = true;
       end.sine = std::min(end.sine, sine);
@@ -45,21 +82,32 @@ std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> oth
     };
     meet(ends[s], std::min(lu, dot / lu));
     meet(ends[t], std::min(lw, dot / lw));
-  }
+  });
   return ends;
 }
+
+template std::vector<WedgeEnd> FindWedges(const Point<2>&, std::span<const Point<2>>);
+template std::vector<WedgeEnd> FindWedges(const Point<3>&, std::span<const Point<3>>);
 
 // The handover is where both wedges are equally wide, if that is beyond the neighbours' shadows or
 // in between them. Else it is the end of the nearer shadow, moved a little to the side: exactly at
 // that foot the neighbour's end would lie on the balls of both parts.
+//
+// In 3D it is the middle if that is nearly the same. Half of a square's diagonal encroaches on
+// nothing, a little more does on the square's sides: flat faces in triangles have up to 40 % fewer
+// vertices.
+template <int D>
 SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
+  constexpr double kNearMiddle = 1.0 / 64;
   SegmentShape shape{a.acute, b.acute, 0};
   if (!a.acute || !b.acute) return shape;
   const double balance = length * b.sine / (a.sine + b.sine);
   const double from_a = a.reach, to_b = length - b.reach;
   const auto [lo, hi] = std::minmax(from_a, to_b);
   const double ideal = std::clamp(balance, lo, hi);
-  if (from_a < ideal && ideal < to_b) {
+  if (D == 3 && std::fabs(ideal - length / 2) < kNearMiddle * length) {
+    shape.handover = length / 2;
+  } else if (from_a < ideal && ideal < to_b) {
     const double width = std::min(ideal, length - ideal) / 4;
     shape.handover = Coarsest(std::max(from_a, ideal - width), std::min(to_b, ideal + width));
   } else {
@@ -68,6 +116,9 @@ SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
   }
   return shape;
 }
+
+template SegmentShape ShapeOf<2>(double, const WedgeEnd&, const WedgeEnd&);
+template SegmentShape ShapeOf<3>(double, const WedgeEnd&, const WedgeEnd&);
 
 double Coarsest(double lo, double hi) {
   int exponent = 0;
@@ -102,17 +153,6 @@ std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length) {
   }
   return {SplitRule{Kind::kShells, rule.from_b, rule.at_a, at},
           SplitRule{Kind::kShells, rule.from_b, at, rule.at_b}};
-}
-
-Point2 PointAt(const Point2& a, const Point2& b, double length, double distance) {
-  const double fraction = distance / length;
-  Point2 p;
-  for (int i = 0; i < 2; ++i) p[i] = a[i] == b[i] ? a[i] : a[i] + fraction * (b[i] - a[i]);
-  return p;
-}
-
-double LengthOf(const Point2& a, const Point2& b) {
-  return std::sqrt(geometry::SquaredDistance(a, b));
 }
 
 }  // namespace dynmesh::meshing

@@ -1,6 +1,6 @@
-// Small input angles. If two segments that meet at a sharp angle were both halved, they would split
-// each other for ever: each time a midpoint of one encroaches on the other, closer to their common
-// end, the *apex*.
+// Small angles between segments. If two segments that meet at a sharp angle were both halved, they
+// would split each other for ever: each time a midpoint of one encroaches on the other, closer to
+// their common end, the *apex*.
 //
 // So a segment with a sharp angle at its end is split on *shells* instead: at distances from the
 // apex that are round dyadic numbers, the same for all segments that meet there.
@@ -19,6 +19,7 @@
 #define DYNMESH_CORE_MESHING_SHELLS_H_
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,15 +30,18 @@ namespace dynmesh::meshing {
 
 // One end of a segment, among the segments that meet there.
 struct WedgeEnd {
-  bool acute = false;  // the next segment by angle makes a small angle with it (geometry/angles.h)
+  bool acute = false;  // a neighbour makes a small angle with it (geometry/angles.h)
   double sine = 1;     // of the least such angle
   double reach = 0;    // length of the longest shadow of such a neighbour on the segment
   friend bool operator==(const WedgeEnd&, const WedgeEnd&) = default;
 };
 
-// For each segment from apex to others[i]. REQUIRES: no two have one direction. O(n log n).
-std::vector<WedgeEnd> FindWedges(const geometry::Point2& apex,
-                                 std::span<const geometry::Point2> others);
+// For each segment from apex to others[i]. REQUIRES: no two have one direction. In 2D the
+// neighbours of a segment are the next ones by angle, in 3D all that make a small angle with it.
+// O(n log n), in 3D O(n^2).
+template <int D>
+std::vector<WedgeEnd> FindWedges(const geometry::Point<D>& apex,
+                                 std::span<const geometry::Point<D>> others);
 
 // How a segment from a to b, a < b, is to be split.
 struct SegmentShape {
@@ -47,6 +51,7 @@ struct SegmentShape {
   double handover = 0;
   friend bool operator==(const SegmentShape&, const SegmentShape&) = default;
 };
+template <int D>
 SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b);
 
 // The dyadic number m 2^e of the largest e within [lo, hi], 0 < lo <= hi.
@@ -74,11 +79,20 @@ double SplitDistance(const SplitRule& rule);
 std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length);
 
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
-geometry::Point2 PointAt(const geometry::Point2& a, const geometry::Point2& b, double length,
-                         double distance);
+template <int D>
+geometry::Point<D> PointAt(const geometry::Point<D>& a, const geometry::Point<D>& b, double length,
+                           double distance) {
+  const double fraction = distance / length;
+  geometry::Point<D> p;
+  for (int i = 0; i < D; ++i) p[i] = a[i] == b[i] ? a[i] : a[i] + fraction * (b[i] - a[i]);
+  return p;
+}
 
-// ab|, correctly rounded except for its sum; the same for ba.
-double LengthOf(const geometry::Point2& a, const geometry::Point2& b);
+// |ab|, correctly rounded except for its sum; the same for ba.
+template <int D>
+double LengthOf(const geometry::Point<D>& a, const geometry::Point<D>& b) {
+  return std::sqrt(geometry::SquaredDistance(a, b));
+}
 
 }  // namespace dynmesh::meshing
 

@@ -32,6 +32,9 @@ class SliverBase {
  private:
   bool Fill(Triangulation* base, absl::FunctionRef<bool()> interrupt) const;
   void Follow();
+  auto IsSeditious() const {
+    return [this](VertexIndex v, VertexIndex u) { return complex_.IsSeditious(v, u); };
+  }
 
   Complex<D, E>& complex_;
   EngineOf<D, E>& engine_;
@@ -54,7 +57,7 @@ bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
       }
       if (base->is_full()) return complex_.triangulation_full = true;
       const bool is_to_change = kTraced || base == &whole;
-      if (!complex_.slivers.Begin(*base, is_to_change, interrupt)) return false;
+      if (!complex_.slivers.Begin(*base, is_to_change, IsSeditious(), interrupt)) return false;
       complex_.triangulation = nullptr;
     }
     complex_.changed_base.clear();
@@ -115,7 +118,7 @@ void SliverBase<D, E>::Follow() {
       complex_.slivers.Insert(v, complex_.vertex(v).p, near);
     }
     if (complex_.slivers.base().is_full()) complex_.triangulation_full = true;
-    if (!complex_.is_full()) complex_.slivers.FindSlivers();
+    if (!complex_.is_full()) complex_.slivers.FindSlivers(IsSeditious());
   }
 }
 

@@ -19,6 +19,15 @@ struct Corners {
           const delaunay::DelaunayTetrahedralization& base)
       : v(corners) {
     for (std::size_t i = 0; i < 4; ++i) p[i] = base.position(v[i]);
+    Sort();
+  }
+  Corners(const std::array<VertexIndex, 4>& corners, const std::array<geometry::Point3, 4>& at)
+      : v(corners), p(at) {
+    Sort();
+  }
+
+ private:
+  void Sort() {
     const auto sort = [this](std::size_t i, std::size_t j) {
       if (!(p[j] < p[i])) return;
       std::swap(p[i], p[j]), std::swap(v[i], v[j]);
@@ -57,7 +66,8 @@ void SetNormal(const Corners& corners, Sliver* sliver) {
 
 }  // namespace
 
-bool SliverTable::Begin(const Base& whole, bool is_to_change, absl::FunctionRef<bool()> interrupt) {
+bool SliverTable::Begin(const Base& whole, bool is_to_change, IsExcused is_excused,
+                        absl::FunctionRef<bool()> interrupt) {
   constexpr std::uint32_t kAtOnce = 4096;
   if (is_to_change) own_.Copy(whole);
   base_ = is_to_change ? &own_ : &whole;
@@ -65,7 +75,7 @@ bool SliverTable::Begin(const Base& whole, bool is_to_change, absl::FunctionRef<
     if (t % kAtOnce == 0 && interrupt()) return false;
     if (base_->IsInfinite(t)) continue;
     if (is_to_change) own_.set_tag(t, 0);
-    Look(t);
+    Look(t, is_excused);
   }
   return true;
 }
@@ -95,19 +105,38 @@ void SliverTable::RecordChanges() {
   fresh_.insert(fresh_.end(), created.begin(), created.end());
 }
 
-void SliverTable::FindSlivers() {
+void SliverTable::FindSlivers(IsExcused is_excused) {
   // Some were deleted again, some indices were used twice.
   std::sort(fresh_.begin(), fresh_.end());
   fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
   for (const std::uint32_t t : fresh_) {
-    if (!own_.IsInfinite(t)) Look(t);
+    if (!own_.IsInfinite(t)) Look(t, is_excused);
   }
   fresh_.clear();
 }
 
-void SliverTable::Look(std::uint32_t simplex) {
+namespace {
+
+bool IsBelow(const geometry::DihedralBound& bound, const Corners& corners,
+             SliverTable::IsExcused is_excused) {
+  if (!bound.IsBelowSorted(corners.p)) return false;
+  return bound.IsBelowSorted(corners.p, [&](int i, int j) {
+    const VertexIndex v = corners.v[static_cast<std::size_t>(i)],
+                      u = corners.v[static_cast<std::size_t>(j)];
+    return v != kNil && u != kNil && is_excused(v, u);
+  });
+}
+
+}  // namespace
+
+bool SliverTable::IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p,
+                           IsExcused is_excused) const {
+  return IsBelow(bound_, Corners(v, p), is_excused);
+}
+
+void SliverTable::Look(std::uint32_t simplex, IsExcused is_excused) {
   const Corners corners(base_->vertices(simplex), *base_);
-  if (!bound_.IsBelowSorted(corners.p)) return;
+  if (!IsBelow(bound_, corners, is_excused)) return;
   const SliverIndex i = Find(corners.v);
   Sliver& sliver = slivers_[i];
   sliver.v = corners.v;

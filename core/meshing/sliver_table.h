@@ -1,5 +1,6 @@
 // The slivers: tetrahedra of the refined mesh with a dihedral angle below the bound. Cure (cure.h)
-// works on them.
+// works on them. An angle opposite to an excused edge does not count: that edge is as short as a
+// small angle of the input makes it (shells.h), and so is the angle.
 //
 // *Base*: the triangulation of the vertices that refinement made, without those of cures. It is a
 // function of the vertex set, so it stands outside the trace. Between refinement and cures it is
@@ -54,6 +55,7 @@ class SliverTable {
  public:
   using Base = delaunay::DelaunayTetrahedralization;
   using Point = geometry::Point3;
+  using IsExcused = absl::FunctionRef<bool(VertexIndex, VertexIndex)>;
 
   // `degrees`: the bound. 0: there are no slivers.
   explicit SliverTable(double degrees) : bound_(degrees) {}
@@ -68,13 +70,18 @@ class SliverTable {
 
   // The base is `whole`, which must not change while it is used; if is_to_change, a copy of it.
   // `interrupt` is called now and then; returns false if it returns true.
-  bool Begin(const Base& whole, bool is_to_change, absl::FunctionRef<bool()> interrupt);
+  // is_excused(v, u): of an edge; a function of the vertices.
+  bool Begin(const Base& whole, bool is_to_change, IsExcused is_excused,
+             absl::FunctionRef<bool()> interrupt);
 
   // Changes one vertex of the base. REQUIRES: the base is a copy.
   void Remove(VertexIndex v);
   void Insert(VertexIndex v, const Point& p, VertexIndex near);
   // Finds the slivers among changed tetrahedra.
-  void FindSlivers();
+  void FindSlivers(IsExcused is_excused);
+  // Does the tetrahedron have an angle below the bound that counts? `v`: its corners, kNil for one
+  // without excused edges; `p`: their positions.
+  bool IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p, IsExcused is_excused) const;
 
   // Calls ask(i) for slivers that came and drop(i) for slivers that went since the last call.
   template <class Ask, class Drop>
@@ -83,7 +90,7 @@ class SliverTable {
   void Forget();
 
  private:
-  void Look(std::uint32_t simplex);
+  void Look(std::uint32_t simplex, IsExcused is_excused);
   void RecordChanges();
   void Touch(SliverIndex i);
   SliverIndex Find(const std::array<VertexIndex, 4>& v);

@@ -33,7 +33,7 @@ class SpaceGaps {
   // True if the edge to the neighbour in slot i has a gap with room for a point.
   bool OfNeighbour(int i, Candidate<3>* gap) const {
     const auto& u = star_[i];
-    if (skipped_.Has(u.p, false)) return false;
+    if (skipped_.Has(u.p, false) || complex_.IsSeditious(star_.vertex(), u.id)) return false;
     std::optional<geometry::Point3> x;
     if (IsFarFromCorner(u.d2)) x = complex_.rules.PointInGap(star_, i);
     if (!x && !complex_.sizing.empty()) x = CentreOfTooLarge(i);

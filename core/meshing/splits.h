@@ -28,13 +28,11 @@ bool IsGuarded(const Complex<D, E>& complex, const Subsegment<D>& s, int bucket)
 template <int D, template <class> class E>
 std::pair<geometry::Point<D>, std::array<SplitRule, 2>> SplitOf(const Complex<D, E>& complex,
                                                                 const Subsegment<D>& s) {
-  if constexpr (D == 2) {
-    if (s.split_rule.kind != SplitRule::Kind::kHalve) {
-      const auto &a = complex.vertex(s.whole_a).p, &b = complex.vertex(s.whole_b).p;
-      const double length = LengthOf(a, b), at = SplitDistance(s.split_rule);
-      return {s.split_rule.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
-              RulesOfParts(s.split_rule, length)};
-    }
+  if (s.split_rule.kind != SplitRule::Kind::kHalve) {
+    const auto &a = complex.vertex(s.whole_a).p, &b = complex.vertex(s.whole_b).p;
+    const double length = LengthOf(a, b), at = SplitDistance(s.split_rule);
+    return {s.split_rule.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
+            RulesOfParts(s.split_rule, length)};
   }
   return {geometry::Midpoint(complex.vertex(s.a).p, complex.vertex(s.b).p), {}};
 }

@@ -14,7 +14,8 @@ using geometry::Vector3;
 
 namespace {
 
-// Edges that meet have angles larger than 2 atan of this.
+// How far aside of an edge its left side is looked for, in lengths along the edge, unless another
+// edge is nearer.
 constexpr double kAside = 0.25;
 
 Vector3 Sum(const Vector3& u, double factor, const Vector3& w) {
@@ -90,7 +91,17 @@ Vector3 Facet::LeftOf(const Corner& c) const {
 
 bool Facet::IsInsideLeftOf(const Corner& c) const {
   const Vector3 along = Difference(PositionOf(Beside(c, true)).c, PositionOf(c).c);
-  return interior_.OpensTo(PositionOf(c), Sum(along, kAside, LeftOf(c)));
+  const Vector3 left = LeftOf(c);
+  double aside = kAside;
+  for (const Corner& visit : At(c.id)) {
+    for (const bool next : {false, true}) {
+      const Vector3 edge = Difference(PositionOf(Beside(visit, next)).c, PositionOf(visit).c);
+      const double ahead = Dot(edge, along), across = Dot(edge, left);
+      const bool is_same = visit.ring == c.ring && visit.at == c.at && next;
+      if (!is_same && ahead > 0 && across > 0) aside = std::min(aside, across / ahead / 2);
+    }
+  }
+  return interior_.OpensTo(PositionOf(c), Sum(along, aside, left));
 }
 
 Vector3 Facet::InwardOf(const Corner& c) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/rounding.h"
+#include "core/geometry/angles.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/constructions.h"
 #include "core/plc/validation_terms.h"
@@ -24,6 +25,8 @@ constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
 // Compares angles by the sine of their difference to 90 degrees: sin(20 degrees), plus a millionth.
 constexpr double kMostLack = 0.3420201433256687 * kWider;
+// Between segments at 60 degrees or more there are no shells.
+constexpr double kMostSharp = std::numbers::pi / 3;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 
@@ -86,6 +89,60 @@ double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
         const bool leads_away =
             std::all_of(begin, end, [&](const auto& way) { return Dot(way.second, d) < 0; });
         if (leads_away) cosine = std::max(cosine, CosineOver(f, point, d));
+      }
+    }
+  }
+  return cosine;
+}
+
+Vector3 UnitTo(const Facet& f, const Facet::Corner& from, const Facet::Corner& to) {
+  Vector3 d = Difference(f.PositionOf(to).c, f.PositionOf(from).c);
+  const double length = std::sqrt(Dot(d, d));
+  for (double& x : d) x /= length;
+  return d;
+}
+
+// The angle of f at corner `at` from its edge along the unit vector `along`, which is the one to
+// the corner `beside`, over its inside, towards the unit vector `inward`. In radians.
+double OpeningOf(const Facet& f, const Facet::Corner& at, FeatureId beside, const Vector3& along,
+                 const Vector3& inward) {
+  double opening = 2 * std::numbers::pi;
+  for (const Facet::Corner& visit : f.At(at.id)) {
+    for (const bool next : {false, true}) {
+      const Facet::Corner other = f.Beside(visit, next);
+      if (other.id == beside) continue;
+      const Vector3 d = UnitTo(f, visit, other);
+      const double angle = std::atan2(Dot(d, inward), Dot(d, along));
+      opening = std::min(opening, angle > 0 ? angle : angle + 2 * std::numbers::pi);
+    }
+  }
+  return opening;
+}
+
+// The greatest cosine of the angles between f and edges of g that lean over it; -1 if there are
+// none.
+double CosineOfLean(const Facet& f, const Facet& g) {
+  double cosine = -1;
+  if (!Counts(ValidationTerm::kEdgesDoNotLean)) return cosine;
+  for (const Facet::Corner& at : f.corners()) {
+    for (const bool forward : {false, true}) {
+      const Facet::Corner beside = f.Beside(at, forward);
+      if (!g.HasEdge(at.id, beside.id)) continue;
+      const Vector3 along = UnitTo(f, at, beside), inward = f.InwardOf(forward ? at : beside);
+      const double opening = OpeningOf(f, at, beside.id, along, inward);
+      const double tangent = std::tan(std::min(opening / 2, kMostSharp));
+      for (const Facet::Corner& visit : g.At(at.id)) {
+        for (const bool next : {false, true}) {
+          const Facet::Corner other = g.Beside(visit, next);
+          if (f.HasEdge(at.id, other.id)) continue;
+          if (!geometry::IsSmallAngle(f.PositionOf(at), f.PositionOf(beside), g.PositionOf(other)))
+            continue;
+          const Vector3 edge = UnitTo(g, visit, other), off = Difference(edge, along);
+          // 1 - cos(a) is half of the squared length of `off`.
+          if (!(Dot(edge, inward) * tangent > 0.5 * Dot(off, off) / kWider)) continue;
+          const double up = Dot(edge, f.plane().normal);
+          cosine = std::max(cosine, std::sqrt(std::max(0.0, 1 - up * up)));
+        }
       }
     }
   }
@@ -159,7 +216,9 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
   }
   const double lack =
       std::max({common.cosine, CosineAtCorners(f, g, common), CosineAtCorners(g, f, common)});
-  return lack > kMostLack ? Conflict::kSmallAngle : Conflict::kNone;
+  if (lack > kMostLack) return Conflict::kSmallAngle;
+  const bool leans = common.edges > 0 && std::max(CosineOfLean(f, g), CosineOfLean(g, f)) > -1;
+  return leans ? Conflict::kSmallAngle : Conflict::kNone;
 }
 
 double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
@@ -173,6 +232,10 @@ double LeastAngle(const Facet& f, const Facet& g) {
   const Common common = FindCommon(f, g);
   const double at_corners = std::max(CosineAtCorners(f, g, common), CosineAtCorners(g, f, common));
   return std::min(Degrees(common.cosine), Degrees(at_corners));
+}
+
+double LeastLean(const Facet& f, const Facet& g) {
+  return Degrees(std::max(CosineOfLean(f, g), CosineOfLean(g, f)));
 }
 
 }  // namespace dynmesh::plc

@@ -144,13 +144,23 @@ std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
   const auto* s = std::get_if<SegmentFeature<D>>(&a);
   const auto* t = std::get_if<SegmentFeature<D>>(&b);
   if (s != nullptr && t != nullptr) {
-    return absl::StrCat(AngleText<D>(*s, *t), "; at least ", D == 2 ? "0.001" : "60",
-                        " are needed: move an end, or remove one of them");
+    return absl::StrCat(AngleText<D>(*s, *t),
+                        "; at least 0.001 are needed: move an end, or remove one of them");
   }
   double angle = 0;
   if constexpr (D == 3) {
     const auto* f = std::get_if<Facet>(&a);
     const auto* g = std::get_if<Facet>(&b);
+    if (f != nullptr && g != nullptr) {
+      const double lean = LeastLean(*f, *g);
+      if (lean < 180 && !(LeastAngle(*f, *g) < kLeastFacetAngle)) {
+        return absl::StrFormat(
+            "%.6g degrees, between an edge of one and the inside of the other, beside a common "
+            "edge; where polygons meet at less than 90 degrees, no edge may be nearer to the other "
+            "polygon's inside than that one's edges are: move corners, or remove one of them",
+            lean);
+      }
+    }
     angle = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
             : f != nullptr               ? LeastAngle(*t, *f)
                                          : LeastAngle(*s, *g);

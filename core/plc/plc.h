@@ -8,9 +8,9 @@
 //   2. every segment joins two different points present; rings of polygons are of points present
 //      and legal by messages.h, CheckRings;
 //   3. no two features are too close, cross, overlap or coincide; no point is in the inside of a
-//      segment; no two segments with a common end are nearly equal, in 3D below 60 degrees
-//      (rules.h). Edges of polygons are segments here, once if several join the same points;
-//      A quadtree allows any angle, here and in 4;
+//      segment; no two segments with a common end are nearly equal (rules.h). Edges of polygons are
+//      segments here, once if several join the same points; A quadtree allows any angle, here and
+//      in 4;
 //   4. 3D: polygons are facets, and flat (messages.h, CheckFacet). With each other, with points and
 //      with segments they have only corners and edges in common. No feature is too close to their
 //      insides, and angles are 70 degrees or more (facet_rules.h). A mesh with a quality below 1.4

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/base/rounding.h"
-#include "core/geometry/angles.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
 #include "core/plc/validation_terms.h"
@@ -22,7 +21,7 @@ using geometry::Point3;
 using geometry::SquaredDistance;
 
 constexpr double kCloseLimitUlps = 0x1p10;
-// sin^2 of the least angle between 2D segments, 0.001 degrees, less a millionth.
+// sin^2 of the least angle between segments, 0.001 degrees, less a millionth.
 constexpr double kAngleBound = 3.046174197557781e-10 * kNarrower;
 
 template <int D>
@@ -83,11 +82,9 @@ Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b)
   if (d > 0 && Counts(ValidationTerm::kSegmentsDoNotOverlap) && AreCollinear(apex, a, b)) {
     return Conflict::kSegmentsOverlap;
   }
-  if constexpr (D == 3) {
-    if (!Counts(ValidationTerm::kAngleOfSegments3D)) return Conflict::kNone;
-    return geometry::IsSmallAngle(apex, a, b) ? Conflict::kSmallAngle : Conflict::kNone;
+  if (!Counts(D == 2 ? ValidationTerm::kAngleOfSegments2D : ValidationTerm::kAngleOfSegments3D)) {
+    return Conflict::kNone;
   }
-  if (!Counts(ValidationTerm::kAngleOfSegments2D)) return Conflict::kNone;
   const double squares = Dot(u, u) * Dot(w, w);
   return d > 0 && SquaredCross(u, w) < kAngleBound * squares ? Conflict::kSmallAngle
                                                              : Conflict::kNone;

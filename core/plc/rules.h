@@ -50,9 +50,8 @@ Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double li
 // Two segments. The edges that polygons share with each other and with segment features are no
 // conflict. The end of one *in* the other is left to the rule for point and segment. Segments with
 // a common end must have an angle. With u, w the vectors from the common point:
-//   2D: kSmallAngle iff u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6) |u|^2 |w|^2.
-//   3D: kSmallAngle below 60 degrees (less a tolerance: geometry/angles.h), since refinement does
-//   not treat sharper angles. Segments that do not meet may not be nearer than `limit`.
+//   kSmallAngle iff u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6) |u|^2 |w|^2.
+//   3D: segments that do not meet may not be nearer than `limit`.
 template <int D>
 Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double limit);
 

@@ -160,10 +160,11 @@ class Judge<3> {
  public:
   using Quality = TetrahedronQuality;
 
-  Judge(const Mesh& mesh, const RowOf&, const MeshOptions& options, double unit)
+  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
       : coordinates_(mesh.vertices.coordinates),
         rho_(options.quality),
         unit_(unit),
+        seditious_(mesh, row_of),
         dihedral_(options.min_dihedral) {}
 
   static Quality Flat() { return quality::FlatTetrahedron(); }
@@ -172,13 +173,31 @@ class Judge<3> {
   }
   SimplexVerdict operator()(const Rows<3>& rows, const Quality& q) const {
     const double bound = Bound(rho_, q.shortest_edge, unit_);
-    if (quality::IsOverBound(CornersOf(rows), q, bound)) return SimplexVerdict::kOverRho;
+    if (quality::IsOverBound(CornersOf(rows), q, bound)) {
+      return IsExcused(rows, q) ? SimplexVerdict::kSmallInputAngle : SimplexVerdict::kOverRho;
+    }
     return IsBelowDihedral(rows, q) ? SimplexVerdict::kBelowDihedral : SimplexVerdict::kGood;
   }
   bool HasDihedralBound() const { return dihedral_.degrees() > 0; }
-  // As the mesher decides it; true for inverted tetrahedra, too.
+  // As the mesher decides it; true for inverted tetrahedra, too. An angle opposite to a seditious
+  // edge does not count.
   bool IsBelowDihedral(const Rows<3>& rows, const Quality& q) const {
-    return HasDihedralBound() && (std::isinf(q.radius_edge) || dihedral_.IsBelow(CornersOf(rows)));
+    if (!HasDihedralBound()) return false;
+    if (std::isinf(q.radius_edge)) return true;
+    if (!dihedral_.IsBelow(CornersOf(rows))) return false;
+    Rows<3> sorted = rows;
+    std::sort(sorted.begin(), sorted.end(), [this](std::size_t p, std::size_t r) {
+      return std::lexicographical_compare(At(p), At(p) + 3, At(r), At(r) + 3);
+    });
+    return dihedral_.IsBelowSorted(CornersOf(sorted), [&](int i, int j) {
+      return seditious_.Has(sorted[static_cast<std::size_t>(i)],
+                            sorted[static_cast<std::size_t>(j)]);
+    });
+  }
+  // Is one of its angles below the bound, but none that counts?
+  bool IsExcusedDihedral(const Rows<3>& rows, const Quality& q) const {
+    return HasDihedralBound() && !std::isinf(q.radius_edge) && dihedral_.IsBelow(CornersOf(rows)) &&
+           !IsBelowDihedral(rows, q);
   }
   std::array<double, 3> CentroidOf(const Rows<3>& rows) const {
     std::array<double, 3> mean = {0, 0, 0};
@@ -190,6 +209,25 @@ class Judge<3> {
 
  private:
   const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
+  // Of one over rho: is it within rho of its shortest edge that is not seditious?
+  bool IsExcused(const Rows<3>& rows, const Quality& q) const {
+    if (std::isinf(q.radius_edge)) return false;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (seditious_.Has(rows[i], rows[j])) continue;
+        double d2 = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double d = At(rows[i])[k] - At(rows[j])[k];
+          d2 += d * d;
+        }
+        shortest = std::min(shortest, std::sqrt(d2));
+      }
+    }
+    if (!(shortest > q.shortest_edge) || std::isinf(shortest)) return shortest > q.shortest_edge;
+    const double bound = Bound(rho_, shortest, unit_) * (shortest / q.shortest_edge);
+    return !quality::IsOverBound(CornersOf(rows), q, bound);
+  }
   std::array<geometry::Point3, 4> CornersOf(const Rows<3>& rows) const {
     std::array<geometry::Point3, 4> corners;
     for (std::size_t k = 0; k < 4; ++k) std::copy_n(At(rows[k]), 3, corners[k].c.begin());
@@ -198,6 +236,7 @@ class Judge<3> {
 
   const std::vector<double>& coordinates_;
   const double rho_, unit_;
+  const quality::SeditiousEdges seditious_;
   const geometry::DihedralBound dihedral_;
 };
 
@@ -265,6 +304,7 @@ void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQ
     return;
   }
   report.below_dihedral += judge.IsBelowDihedral(*rows, q);
+  report.exempt_dihedral += judge.IsExcusedDihedral(*rows, q);
   NoteWorst({q.min_angle_deg, index, judge.CentroidOf(*rows)}, report.worst_dihedral);
 }
 

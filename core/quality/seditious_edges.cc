@@ -57,8 +57,10 @@ bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {
   const VertexColumns& v = mesh_.vertices;
   const auto s = segment_of_.find(p), t = segment_of_.find(q);
   if (s == segment_of_.end() || t == segment_of_.end() || s->second == t->second) return false;
+  const auto d = static_cast<std::size_t>(mesh_.dimension);
   const auto at = [&](std::size_t row) {
-    return geometry::Point2{{v.coordinates[2 * row], v.coordinates[2 * row + 1]}};
+    const double* const x = &v.coordinates[d * row];
+    return geometry::Point3{{x[0], x[1], d == 3 ? x[2] : 0}};
   };
   const auto distance = [&](std::size_t a, std::size_t b) {
     return std::sqrt(geometry::SquaredDistance(at(a), at(b)));

@@ -16,8 +16,7 @@ namespace dynmesh::quality {
 
 class SeditiousEdges {
  public:
-  // `row_of`: the rows of the mesh's vertices, by id. `mesh` (of dimension 2) must outlive the
-  // object. O(size).
+  // `row_of`: the rows of the mesh's vertices, by id. `mesh` must outlive the object. O(size).
   SeditiousEdges(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of);
 
   // Is the edge between the vertices in these rows such an edge? O(1).

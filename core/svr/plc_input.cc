@@ -57,10 +57,8 @@ SubsegmentIndex PlcInput<D>::AddSegment(VertexIndex a, VertexIndex b, meshing::F
   sub.a = sub.whole_a = forward ? a : b;
   sub.b = sub.whole_b = forward ? b : a;
   sub.feature = feature;
-  if constexpr (D == 2) {
-    sub.split_rule = meshing::SplitRule::Whole(shape, meshing::LengthOf(position(a), position(b)));
-    if (sub.split_rule.kind != meshing::SplitRule::Kind::kHalve) has_wedges_ = true;
-  }
+  sub.split_rule = meshing::SplitRule::Whole(shape, meshing::LengthOf(position(a), position(b)));
+  if (sub.split_rule.kind != meshing::SplitRule::Kind::kHalve) has_wedges_ = true;
   sub.exposed = 0;
   complex_.elements.MarkSubsegmentChanged(s);
   if (feature != 0) wholes_.push_back(s);

@@ -187,5 +187,59 @@ TEST(PolygonWork, OfABoxDoesNotGrowWithTheInput) {
   EXPECT_LT(executed[1], 1.5 * executed[0]);
 }
 
+// A wavy surface of triangles, n by n cells of a 16th of the cube; corners have ids from 1 on. The
+// corner in the middle has the id n / 2 * (n + 2) + 1.
+std::vector<Feature> WavySurface(int n) {
+  std::vector<Feature> features;
+  const auto at = [n](int i, int j) { return static_cast<FeatureId>(1 + i * (n + 1) + j); };
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      // The same around the middle, whatever n.
+      const int u = i - n / 2, v = j - n / 2;
+      const double x = u + 0.3 * std::sin(7 * u + 3 * v), y = v + 0.3 * std::sin(5 * u - 4 * v);
+      features.push_back(Feature::Point(at(i, j), 0.5 + x / 16, 0.5 + y / 16,
+                                        0.5 + 0.4 * std::sin(0.8 * x) * std::cos(0.6 * y) / 16));
+    }
+  }
+  FeatureId id = at(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const FeatureId a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      features.push_back(Feature::Polygon(++id, {{a, b, c}}));
+      features.push_back(Feature::Polygon(++id, {{a, c, d}}));
+    }
+  }
+  return features;
+}
+
+// A corner in the middle of a surface of 288 triangles moves at the same cost, in operations, as
+// one in a surface of 72.
+TEST(PolygonWork, OfACornerDoesNotGrowWithTheSurface) {
+  std::vector<double> executed, changed;
+  for (const int n : {6, 12}) {
+    LiveMesh<3> edited(DefaultsIn<3>(), AlwaysPropagate());
+    const std::vector<Feature> surface = WavySurface(n);
+    ASSERT_TRUE(edited.Apply(AddAll(surface), ApplyOptions{}).ok());
+    Feature corner = surface[static_cast<std::size_t>(n / 2 * (n + 2))];
+    double sum = 0, vertices = 0;
+    for (int k = 1; k <= 8; ++k) {
+      corner.position[2] += (k % 2 == 0 ? 0.3 : -0.25) / 16;
+      const auto diff = edited.Apply({{Edit::Action::kMove, corner}}, ApplyOptions{});
+      ASSERT_TRUE(diff.ok()) << diff.status();
+      sum += static_cast<double>(diff->work.executed);
+      vertices += static_cast<double>(diff->added_vertices.size());
+    }
+    const Difference d = CompareWithScratch(edited, false);
+    EXPECT_FALSE(d.found) << d.what;
+    executed.push_back(sum / 8);
+    changed.push_back(vertices / 8);
+    RecordProperty("executed_" + std::to_string(n), std::to_string(sum / 8));
+    RecordProperty("changed_" + std::to_string(n), std::to_string(vertices / 8));
+  }
+  EXPECT_GT(executed[0], 10);
+  EXPECT_LT(executed[1], 1.5 * executed[0]);
+  EXPECT_LT(changed[1], 1.5 * changed[0]);
+}
+
 }  // namespace
 }  // namespace dynmesh::test

@@ -6,12 +6,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <utility>
 
 #include "core/base/mix.h"
+#include "core/geometry/angles.h"
 #include "core/io/plane/planar_input.h"
 #include "core/io/script/edit_script.h"
+#include "core/mesh_data/feature_set.h"
 #include "tests/differential/differential.h"
 #include "tests/golden/digest.h"
 #include "tests/support/polygon_script.h"
@@ -72,6 +75,32 @@ std::string NameOfSeed(std::uint64_t seed) {
   return seed == kSeed ? "" : "_seed" + std::to_string(seed);
 }
 
+// Would the batch make segments meet at less than 60 degrees?
+bool MakesSharpAngle(const std::vector<Feature>& present, const EditBatch& batch) {
+  mesh_data::FeatureSet set;
+  if (!set.Apply(AddAll(present)).ok() || !set.Apply(batch).ok()) return false;
+  std::map<FeatureId, geometry::Point3> at;
+  std::vector<Feature> segments;
+  for (const Feature& f : set.Sorted()) {
+    if (f.kind == FeatureKind::kPoint) at[f.id] = {f.position};
+    if (f.kind == FeatureKind::kSegment) segments.push_back(f);
+  }
+  for (const Feature& s : segments) {
+    for (const Feature& t : segments) {
+      for (const std::size_t i : {0, 1}) {
+        for (const std::size_t j : {0, 1}) {
+          if (s.id >= t.id || s.ends[i] != t.ends[j]) continue;
+          const auto apex = at.find(s.ends[i]), a = at.find(s.ends[1 - i]),
+                     b = at.find(t.ends[1 - j]);
+          if (apex == at.end() || a == at.end() || b == at.end()) continue;
+          if (geometry::IsSmallAngle(apex->second, a->second, b->second)) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
 GoldenCase WorkloadCase(Distribution d, int n, const Asking& asking, std::uint64_t seed = kSeed) {
   GoldenCase golden;
   golden.name = NameOf(d) + NameOf(asking) + NameOfSeed(seed);
@@ -84,6 +113,24 @@ GoldenCase WorkloadCase(Distribution d, int n, const Asking& asking, std::uint64
       return IsExact(d) ? batch : Rounded(std::move(batch), 32);
     };
   };
+  return golden;
+}
+
+// The same without batches that make sharp angles.
+GoldenCase BluntCase(GoldenCase golden) {
+  golden.script = [script = golden.script] {
+    return [next = script()](int done, const std::vector<Feature>& present) {
+      EditBatch batch = next(done, present);
+      constexpr FeatureId kAbsent = 1'000'000'000;
+      return MakesSharpAngle(present, batch) ? EditBatch{Edit::Remove(kAbsent)} : batch;
+    };
+  };
+  return golden;
+}
+
+// The same by another name.
+GoldenCase Named(std::string name, GoldenCase golden) {
+  golden.name = std::move(name);
   return golden;
 }
 
@@ -227,7 +274,11 @@ std::vector<GoldenCase> MakeCases() {
     cases.push_back(WorkloadCase(d, 60, {kSqrt2, Criterion::kThesis}));
   }
   cases.push_back(WorkloadCase(kSegmentsTurned, 60, {kSqrt2, Criterion::kEdge, 0.05}));
-  for (const Distribution d : kSpaceDistributions) cases.push_back(WorkloadCase(d, 40, {2.0}));
+  for (const Distribution d : kSpaceDistributions) {
+    const GoldenCase golden = WorkloadCase(d, 40, {2.0});
+    cases.push_back(d == kSkewGridEdges ? BluntCase(golden) : golden);
+  }
+  cases.push_back(Named("SkewGridEdges_sharp_rho2", WorkloadCase(kSkewGridEdges, 40, {2.0})));
   for (const Distribution d : {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized}) {
     cases.push_back(WorkloadCase(d, 40, {kSqrt2}));
   }
@@ -246,7 +297,8 @@ std::vector<GoldenCase> MakeCases() {
        {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized, kSpaceCapsules}) {
     cases.push_back(WorkloadCase(d, 40, cured));
   }
-  for (const PolygonKind kind : {PolygonKind::kNestedBoxes, PolygonKind::kMixture}) {
+  for (const PolygonKind kind :
+       {PolygonKind::kNestedBoxes, PolygonKind::kMixture, PolygonKind::kSharp}) {
     cases.push_back(SolidsCase(kind, cured));
   }
   AddRegressCases(cases);

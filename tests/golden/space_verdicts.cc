@@ -54,6 +54,8 @@ constexpr Item kSpaceConflicts[] = {
      "add point 30 0.25 0.125 0.875; add point 31 0.9375 0.125 0.875; remove 11; remove 6; add "
      "segment 32 5 31; remove 30; add point 30 0.96875 0.125 0.875; add segment 33 5 30"},
     {"angle of segments", "add point 30 0.375 0.375 0.875; add segment 31 5 30"},
+    {"angle of segments, too small",
+     "add point 30 0.5 0.125 0.87500152587890625; add segment 31 5 30"},
     {"angle of segments, large enough", "add point 30 0.25 0.5 0.875; add segment 31 5 30"},
     {"angle of a polygon's own edges",
      "add point 30 0 0 0; add point 31 1 0 0; add point 32 1 0.5 0; add polygon 33 30 31 32"},
@@ -73,6 +75,8 @@ constexpr Item kSpaceConflicts[] = {
     {"angle of polygons moved",
      "add point 30 0.75 0.75 0.75; add point 31 0.75 0.25 0.75; add polygon 32 3 2 31 30; move "
      "point 30 0.5 0.75 0.75; move point 31 0.5 0.25 0.75"},
+    {"edge that leans over a polygon", "add point 30 0.734375 0.625 0.5625; add polygon 31 2 3 30"},
+    {"edge that leans away", "add point 30 0.765625 0.625 0.5625; add polygon 31 2 3 30"},
     {"earliest of three", "add point 40 0.1 0.1 0.1; add point 30 0.5 0.5 0.5; remove 77"},
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 namespace dynmesh::test {
 namespace {
@@ -100,6 +102,97 @@ Solid MakeStick(bool crossed) {
   return solid;
 }
 
+// Segments from one corner, within a cone.
+Solid MakeFork(int prongs, double wide, Random& random) {
+  Solid solid;
+  solid.corners = {{0, 0, -0.8}};
+  for (int i = 0; i < prongs; ++i) {
+    const double aside = wide * std::sqrt(random.Unit()), turn = 6.283 * random.Unit();
+    const double length = random.OneIn(3) ? 1.5 : 0.3 + 1.2 * random.Unit();
+    solid.corners.push_back({length * std::sin(aside) * std::cos(turn),
+                             length * std::sin(aside) * std::sin(turn),
+                             length * std::cos(aside) - 0.8});
+    solid.segments.emplace_back(0, i + 1);
+  }
+  return solid;
+}
+
+// A triangle with an angle of that size, in radians, at one end or both.
+Solid MakeNeedle(double angle, bool both) {
+  Solid solid;
+  const double x = both ? 0.1 : 0.8 * std::cos(angle);
+  solid.corners = {{-0.8, 0, 0}, {0.8, 0, 0}, {x, (x + 0.8) * std::tan(angle), 0}};
+  AddFace(solid, {0, 1, 2});
+  return solid;
+}
+
+// Triangles around a corner that is so much over the others.
+Solid MakeFan(int n, double height, Random& random) {
+  Solid solid;
+  solid.corners = {{0, 0, height}};
+  for (int i = 0; i < n; ++i) {
+    const double turn = 2 * std::numbers::pi * (i + 0.5 * random.Unit()) / n;
+    const double r = 0.5 + 0.4 * random.Unit();
+    solid.corners.push_back({r * std::cos(turn), r * std::sin(turn), 0});
+    AddFace(solid, {0, static_cast<FeatureId>(i + 1), static_cast<FeatureId>((i + 1) % n + 1)});
+  }
+  return solid;
+}
+
+// A wavy square of n by n cells, each cut into two triangles.
+Solid MakeSurface(int n, Random& random) {
+  Solid solid;
+  const auto at = [n](int i, int j) { return static_cast<FeatureId>(i * (n + 1) + j); };
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      const double x = 1.2 * (i + 0.4 * random.Unit()) / n - 0.6;
+      const double y = 1.2 * (j + 0.4 * random.Unit()) / n - 0.6;
+      solid.corners.push_back({x, y, 0.1 * std::sin(3 * x + 2 * y)});
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const FeatureId a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      const bool turned = random.OneIn(2);
+      AddFace(solid, turned ? std::vector{a, b, d} : std::vector{a, b, c});
+      AddFace(solid, turned ? std::vector{b, c, d} : std::vector{a, c, d});
+    }
+  }
+  return solid;
+}
+
+// A double pyramid: triangles that get narrow towards its ends.
+Solid MakeSpindle(int n) {
+  Solid solid;
+  solid.corners = {{0, 0, 0.8}, {0, 0, -0.8}};
+  for (int i = 0; i < n; ++i) {
+    const double turn = 2 * std::numbers::pi * i / n;
+    solid.corners.push_back({0.8 * std::cos(turn), 0.8 * std::sin(turn), 0});
+  }
+  for (int i = 0; i < n; ++i) {
+    const auto p = static_cast<FeatureId>(i + 2), q = static_cast<FeatureId>((i + 1) % n + 2);
+    AddFace(solid, {0, p, q});
+    AddFace(solid, {1, q, p});
+  }
+  return solid;
+}
+
+Solid MakeSharp(Random& random) {
+  const double angle = std::ldexp(0.8, -random.Below(6));
+  switch (random.Below(5)) {
+    case 0:
+      return MakeFork(2 + random.Below(6), angle, random);
+    case 1:
+      return MakeNeedle(angle, random.OneIn(2));
+    case 2:
+      return MakeFan(4 + random.Below(12), 0.4 * random.Unit(), random);
+    case 3:
+      return MakeSurface(2 + random.Below(2), random);
+    default:
+      return MakeSpindle(5 + random.Below(8));
+  }
+}
+
 // A turn by a quaternion, applied to p.
 Place Turned(const std::array<double, 4>& q, const Place& p) {
   const auto [w, x, y, z] = q;
@@ -116,15 +209,16 @@ Feature PointAt(FeatureId id, const Place& p) { return Feature::Point(id, p[0], 
 Solid MakeCuboid(double x, double y, double z) { return MakeStack(1, x, y, z); }
 
 std::string NameOf(PolygonKind kind) {
-  constexpr const char* kNames[] = {"NestedBoxes", "Plates", "ManyBoxes",
-                                    "Holed",       "Sticks", "Mixture"};
+  constexpr const char* kNames[] = {"NestedBoxes", "Plates",  "ManyBoxes", "Holed",
+                                    "Sticks",      "Mixture", "Sharp"};
   return kNames[static_cast<int>(kind)];
 }
 
 PolygonScript::PolygonScript(PolygonKind kind, int n, std::uint64_t seed)
     : random_(seed),
       free_part_(kind == PolygonKind::kMixture ? 3 : 8),
-      sized_(kind == PolygonKind::kMixture || kind == PolygonKind::kSticks) {
+      sized_(kind == PolygonKind::kMixture || kind == PolygonKind::kSticks),
+      moves_corners_(kind == PolygonKind::kSharp) {
   Settle(kind, n);
   // Some scenes are small in the cube, so that sizes grow around them.
   const double zoom = std::ldexp(1.0, -2 * random_.Below(3));
@@ -140,6 +234,7 @@ Solid PolygonScript::AnySolid(PolygonKind kind) {
                                      PolygonKind::kSticks};
     kind = kSome[random_.Below(3)];
   }
+  if (kind == PolygonKind::kSharp) return MakeSharp(random_);
   if (kind == PolygonKind::kHoled) {
     return random_.OneIn(3) ? MakeTunnel(0.65) : MakeHoled(0.7);
   }
@@ -266,6 +361,17 @@ void PolygonScript::ChangeFace(std::size_t k, const Present& present, bool other
   }
 }
 
+void PolygonScript::MoveCorner(std::size_t k, const Present& present, EditBatch& batch) {
+  const auto count = static_cast<int>(homes_[k].solid.corners.size());
+  const FeatureId id = PointId(k, static_cast<std::size_t>(random_.Below(count)));
+  const auto it = present.find(id);
+  if (it == present.end()) return;
+  Place p = it->second.position;
+  const double step = std::ldexp(0.2 * homes_[k].size, -random_.Below(8));
+  for (double& x : p) x += step * (random_.Unit() - 0.5);
+  batch.push_back({Edit::Action::kMove, PointAt(id, p)});
+}
+
 // Most of these have to be refused.
 void PolygonScript::BreakARule(std::size_t k, const Present& present, EditBatch& batch) {
   const Home& home = homes_[k];
@@ -312,6 +418,7 @@ void PolygonScript::BreakARule(std::size_t k, const Present& present, EditBatch&
 
 void PolygonScript::EditSolid(std::size_t k, const Present& present, EditBatch& batch) {
   if (!present.contains(PointId(k, 0))) return Come(k, batch);
+  if (moves_corners_ && random_.OneIn(2)) return MoveCorner(k, present, batch);
   const int dice = random_.Below(20);
   if (dice < 3) return Go(k, present, batch);
   if (dice < 9) return Move(k, PlacesOf(homes_[k]), batch);

@@ -29,10 +29,11 @@ enum class PolygonKind {
   kHoled,        // plates that are not convex, with holes and in several parts; tunnels
   kSticks,       // segments alone and at right angles, and plates
   kMixture,      // of all, with free points and sizing features
+  kSharp,        // triangles and segments that meet at small angles: forks, needles, fans, surfaces
 };
-inline constexpr PolygonKind kPolygonKinds[] = {PolygonKind::kNestedBoxes, PolygonKind::kPlates,
-                                                PolygonKind::kManyBoxes,   PolygonKind::kHoled,
-                                                PolygonKind::kSticks,      PolygonKind::kMixture};
+inline constexpr PolygonKind kPolygonKinds[] = {
+    PolygonKind::kNestedBoxes, PolygonKind::kPlates,  PolygonKind::kManyBoxes, PolygonKind::kHoled,
+    PolygonKind::kSticks,      PolygonKind::kMixture, PolygonKind::kSharp};
 std::string NameOf(PolygonKind kind);
 
 // Corners about the origin, within a ball of radius 1; points are identified by their numbers.
@@ -78,6 +79,7 @@ class PolygonScript {
   void Move(std::size_t k, const std::vector<Place>& places, EditBatch& batch) const;
   void ChangeFace(std::size_t k, const Present& present, bool other_rings, EditBatch& batch);
   void EditSolid(std::size_t k, const Present& present, EditBatch& batch);
+  void MoveCorner(std::size_t k, const Present& present, EditBatch& batch);
   void BreakARule(std::size_t k, const Present& present, EditBatch& batch);
   void EditFree(const Present& present, EditBatch& batch);
 
@@ -85,6 +87,7 @@ class PolygonScript {
   std::vector<Home> homes_;
   int free_part_;  // one edit in so many is of a free point or a size
   bool sized_;
+  bool moves_corners_;  // one at a time: faces are triangles
   FeatureId next_id_ = 1'000'000;
 };
 

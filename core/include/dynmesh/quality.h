@@ -87,13 +87,14 @@ inline bool IsExempt(SimplexVerdict v) {
 // and, in 3D, of `options`.min_dihedral. O(size).
 //
 // 2D: the guard leaves single triangles. If more than 1,000 are over rho without a small input
-// angle, the others are kOverRho. 3D: exact with the bound rho (1 + h) as rounded, and no simplex
-// is exempt.
+// angle, the others are kOverRho. 3D: exact with the bound rho (1 + h) as rounded, and the guard
+// exempts no simplex.
 //
 // kBelowDihedral is what the mesher takes for a sliver, to the bit. A tetrahedron that is not
-// kBelowDihedral has no angle less than the bound. A tetrahedron may be kBelowDihedral with a least
-// angle slightly above the bound: by up to 1e-9 degrees if the bound is 5 degrees or more, by up to
-// 1e-4 if it is close to 0.
+// kBelowDihedral has no angle less than the bound, except angles that a small input angle makes:
+// opposite to an edge between segments that it makes short. A tetrahedron may be kBelowDihedral
+// with a least angle slightly above the bound: by up to 1e-9 degrees if the bound is 5 degrees or
+// more, by up to 1e-4 if it is close to 0.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
 // A tetrahedron with one of the least dihedral angles.
@@ -126,6 +127,8 @@ struct QualityReport {
   // 3D: tetrahedra below MeshOptions::min_dihedral by the test of JudgeSimplices, those over rho
   // and flat ones included; 0 if min_dihedral is 0.
   std::uint64_t below_dihedral = 0;
+  // 3D: tetrahedra that are not, but have an angle below the bound because of a small input angle.
+  std::uint64_t exempt_dihedral = 0;
   // 3D: the kWorstDihedral tetrahedra with the least angles (all, if there are fewer), the least
   // first; equal angles by index. Those that name an unknown vertex are left out.
   std::vector<WorstTetrahedron> worst_dihedral;

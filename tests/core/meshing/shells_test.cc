@@ -74,7 +74,7 @@ TEST(FindWedges, LooksAtTheNeighboursInAngle) {
       angles.push_back(360 * random.Unit());
       others.push_back(Polar(o, angles.back(), 0.1 + random.Unit()));
     }
-    const auto ends = FindWedges(o, others);
+    const auto ends = FindWedges<2>(o, others);
     ASSERT_EQ(ends.size(), others.size());
     for (int i = 0; i < n; ++i) {
       double least = 360;
@@ -93,7 +93,47 @@ TEST(FindWedges, LooksAtTheNeighboursInAngle) {
     }
     // Whatever order they come in.
     std::vector<Point2> turned(others.rbegin(), others.rend());
-    auto again = FindWedges(o, turned);
+    auto again = FindWedges<2>(o, turned);
+    std::reverse(again.begin(), again.end());
+    EXPECT_EQ(again, ends);
+  }
+}
+
+// In space all segments within 60 degrees count, not the next ones alone.
+TEST(FindWedges, LooksAtAllSegmentsNearbyInSpace) {
+  using geometry::Point3;
+  test::Random random(kSeed);
+  for (int round = 0; round < 200; ++round) {
+    const Point3 o{{random.Unit(), random.Unit(), random.Unit()}};
+    std::vector<Point3> others;
+    const int n = 1 + random.Below(9);
+    for (int i = 0; i < n; ++i) {
+      const double height = 2 * random.Unit() - 1, turn = 2 * std::numbers::pi * random.Unit();
+      const double length = 0.1 + random.Unit(), r = length * std::sqrt(1 - height * height);
+      others.push_back(
+          {{o[0] + r * std::cos(turn), o[1] + r * std::sin(turn), o[2] + length * height}});
+    }
+    const auto ends = FindWedges<3>(o, others);
+    ASSERT_EQ(ends.size(), others.size());
+    for (int i = 0; i < n; ++i) {
+      double least = 180, reach = 0;
+      for (int j = 0; j < n; ++j) {
+        if (j == i) continue;
+        const double a = LengthOf(o, others[i]), b = LengthOf(o, others[j]),
+                     c = LengthOf(others[i], others[j]);
+        const double cosine = (a * a + b * b - c * c) / (2 * a * b);
+        const double degrees = std::acos(cosine) * 180 / std::numbers::pi;
+        least = std::min(least, degrees);
+        if (degrees < 60) reach = std::max(reach, std::min(a, b * cosine));
+      }
+      if (std::fabs(least - 60) < 1e-3) continue;
+      EXPECT_EQ(ends[i].acute, least < 60) << "seed " << kSeed << ", round " << round;
+      if (least >= 60) continue;
+      EXPECT_NEAR(ends[i].sine, std::sin(least * std::numbers::pi / 180), 1e-7);
+      EXPECT_NEAR(ends[i].reach, reach, 1e-7);
+    }
+    std::vector<Point3> turned(others.rbegin(), others.rend());
+    auto again = FindWedges<3>(o, turned);
     std::reverse(again.begin(), again.end());
     EXPECT_EQ(again, ends);
   }
@@ -107,11 +147,17 @@ TEST(ShapeOf, HandsOverInTheInside) {
       const double sine = std::sin(std::numbers::pi / 3 * std::ldexp(1.0, -random.Below(15)));
       return WedgeEnd{true, sine, random.OneIn(3) ? length : length * random.Unit()};
     };
-    const SegmentShape shape = ShapeOf(length, end(), end());
-    ASSERT_GT(shape.handover, 0);
-    ASSERT_LT(shape.handover, length);
+    for (const SegmentShape shape :
+         {ShapeOf<2>(length, end(), end()), ShapeOf<3>(length, end(), end())}) {
+      ASSERT_GT(shape.handover, 0);
+      ASSERT_LT(shape.handover, length);
+    }
   }
-  EXPECT_EQ(ShapeOf(1, {true, 0.5, 0.5}, {}), (SegmentShape{true, false, 0}));
+  EXPECT_EQ(ShapeOf<2>(1, {true, 0.5, 0.5}, {}), (SegmentShape{true, false, 0}));
+  // The diagonal of a square: half of it in 3D.
+  const WedgeEnd diagonal = {true, std::sqrt(0.5), 0.5};
+  EXPECT_NE(ShapeOf<2>(1, diagonal, diagonal).handover, 0.5);
+  EXPECT_EQ(ShapeOf<3>(1, diagonal, diagonal).handover, 0.5);
 }
 
 // Split at random until subsegments are short: the shells of the shorter one are among those of

@@ -4,9 +4,13 @@
 #include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace dynmesh::plc {
 namespace {
@@ -51,7 +55,7 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   const Q d = u * v;
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
-constexpr double kSixty = 0.25 * (1 + 4e-6);
+constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);  // 0.001 degrees
 constexpr double kSeventy = 0.116977778440511 * (1 + 2e-6);
 
 class Face {
@@ -187,7 +191,54 @@ bool Overlap(const Face& f, const Face& g) {
   return false;
 }
 
+// An edge of g beside an edge that it has in common with f leans over f: in the middle of f's angle
+// there (60 degrees from the common edge, if that is less) it is nearer than the common edge, by
+// angle. In doubles.
+bool Leans(const Face& f, const Face& g) {
+  using D3 = std::array<double, 3>;
+  const auto dot = [](const D3& u, const D3& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
+  const auto unit = [&](const V& v) {
+    D3 d = {CGAL::to_double(v.x()), CGAL::to_double(v.y()), CGAL::to_double(v.z())};
+    const double length = std::sqrt(dot(d, d));
+    for (double& x : d) x /= length;
+    return d;
+  };
+  for (const Edge& e : f.edges()) {
+    if (!g.HasEdge(e.p_id, e.q_id)) continue;
+    for (const FeatureId corner : {e.p_id, e.q_id}) {
+      const D3 along = unit(corner == e.p_id ? e.q - e.p : e.p - e.q), inward = unit(f.Inward(e));
+      const auto ways = [&](const Face& face) {
+        std::vector<V> all;
+        for (const Edge& h : face.edges()) {
+          if (std::minmax(h.p_id, h.q_id) == std::minmax(e.p_id, e.q_id)) continue;
+          if (h.p_id == corner) all.push_back(h.q - h.p);
+          if (h.q_id == corner) all.push_back(h.p - h.q);
+        }
+        return all;
+      };
+      double opening = 2 * std::numbers::pi;
+      for (const V& way : ways(f)) {
+        const double angle = std::atan2(dot(unit(way), inward), dot(unit(way), along));
+        opening = std::min(opening, angle > 0 ? angle : angle + 2 * std::numbers::pi);
+      }
+      const double at = std::min(opening / 2, std::numbers::pi / 3);
+      D3 middle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = std::cos(at) * along[k] + std::sin(at) * inward[k];
+      }
+      for (const V& way : ways(g)) {
+        const D3 d = unit(way);
+        if (dot(d, along) > 0.5 * (1 + 2e-6) && dot(d, middle) > dot(along, middle) + 1e-12) {
+          return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
 bool IsSharp(const Face& f, const Face& g) {
+  if (Leans(f, g) || Leans(g, f)) return true;
   std::set<FeatureId> joined;
   for (const Edge& e : f.edges()) {
     if (!g.HasEdge(e.p_id, e.q_id)) continue;
@@ -264,7 +315,7 @@ std::vector<Offence> FindOffences(const FeatureMap& features, double limit) {
       } else if (shares_p || shares_q) {
         const P& apex = shares_p ? s.p : s.q;
         const FeatureId id = shares_p ? s.p_id : s.q_id;
-        if (IsBelow((shares_p ? s.q : s.p) - apex, (t.p_id == id ? t.q : t.p) - apex, kSixty)) {
+        if (IsBelow((shares_p ? s.q : s.p) - apex, (t.p_id == id ? t.q : t.p) - apex, kLeast)) {
           what = "angle of segments";
         }
       } else if (Distance2(s, t) < limit2) {

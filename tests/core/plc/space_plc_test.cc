@@ -360,21 +360,65 @@ TEST(SpacePlc, SegmentsRiseFromPolygonsAtSeventyDegreesOrMore) {
               EditBatch{AddPoint3(20, 0.35, 0.25, 0.7), Edit::Add(Feature::Segment(21, 1, 20))});
 }
 
-TEST(SpacePlc, SegmentsMeetAtSixtyDegreesOrMore) {
+TEST(SpacePlc, SegmentsMeetAtAThousandthOfADegreeOrMore) {
   const auto fork = [](double degrees) {
     const double a = degrees * std::numbers::pi / 180;
     return EditBatch{AddPoint3(1, 0.5, 0.5, 0.5), AddPoint3(2, 0.9, 0.5, 0.5),
                      AddPoint3(3, 0.5 + 0.3 * std::cos(a), 0.5, 0.5 + 0.3 * std::sin(a)),
                      Edit::Add(Feature::Segment(11, 1, 2)), Edit::Add(Feature::Segment(12, 1, 3))};
   };
-  ExpectLegal(fork(60));
-  ExpectLegal(fork(180));
-  ExpectRefused(fork(59.9), reason::kSmallAngle, {12, 11});
+  for (const double angle : {0.00101, 1.0, 59.9, 60.0, 180.0}) ExpectLegal(fork(angle));
+  ExpectRefused(fork(0.00099), reason::kSmallAngle, {12, 11});
   ExpectRefused(fork(0), reason::kPointOnSegment, {11, 3});
   // An edge of a polygon is a segment.
-  ExpectRefused({AddPoint3(1, 0, 0, 0), AddPoint3(2, 1, 0, 0), AddPoint3(3, 1, 0.5, 0),
-                 AddPolygon(9, {{1, 2, 3}})},
-                reason::kSmallAngle, {9, 9});
+  const auto needle = [](double degrees) {
+    const double a = degrees * std::numbers::pi / 180;
+    return EditBatch{AddPoint3(1, 0, 0, 0), AddPoint3(2, 1, 0, 0),
+                     AddPoint3(3, 0.75 * std::cos(a), 0.75 * std::sin(a), 0),
+                     AddPolygon(9, {{1, 2, 3}})};
+  };
+  for (const double angle : {0.00101, 1.0, 45.0}) ExpectLegal(needle(angle));
+  ExpectRefused(needle(0.00099), reason::kSmallAngle, {9, 9});
+}
+
+// Triangles with a common edge from point 1 to 2. At point 1 they have the angles `low`, in the
+// plane z = 0.5, and `up`; they meet at `between`. In degrees.
+EditBatch Leaf(double between, double low, double up) {
+  const auto at = [](double degrees) { return degrees * std::numbers::pi / 180; };
+  const double d = 0.3 * std::sin(at(up));
+  return {AddPoint3(1, 0.5, 0.5, 0.5),
+          AddPoint3(2, 0.8, 0.5, 0.5),
+          AddPoint3(3, 0.5 + 0.3 * std::cos(at(low)), 0.5 + 0.3 * std::sin(at(low)), 0.5),
+          AddPoint3(4, 0.5 + 0.3 * std::cos(at(up)), 0.5 + d * std::cos(at(between)),
+                    0.5 + d * std::sin(at(between))),
+          AddPolygon(10, {{1, 2, 3}}),
+          AddPolygon(11, {{1, 2, 4}})};
+}
+
+// tan(up / 2) against cos(between) tan(low / 2), at the angle at which both are equal.
+TEST(SpacePlc, AnEdgeMayNotLeanOverAnotherPolygon) {
+  const auto limit = [](double between, double low) {
+    const double at = std::numbers::pi / 180;
+    return 2 / at * std::atan(std::cos(between * at) * std::tan(std::min(low / 2, 60.0) * at));
+  };
+  for (const double between : {72.0, 75.0, 85.0, 89.0}) {
+    for (const double low : {40.0, 80.0, 119.0, 140.0}) {
+      SCOPED_TRACE(testing::Message() << between << " " << low);
+      const double up = limit(between, low);
+      ExpectLegal(Leaf(between, low, up * 1.0001));
+      ExpectRefused(Leaf(between, low, up * 0.9999), reason::kSmallAngle, {11, 10});
+      ExpectRefused(Leaf(between, up * 0.9999, low), reason::kSmallAngle, {11, 10});
+    }
+  }
+  for (const double between : {90.0, 91.0, 135.0, 180.0, 269.0}) {
+    for (const double up : {0.01, 1.0, 30.0}) ExpectLegal(Leaf(between, 80, up));
+  }
+  const auto status = Plc3(Cube(0, 1)).Check(Leaf(72, 80, 2)).status();
+  EXPECT_NE(std::string(status.message())
+                .find("polygon 11 and polygon 10 meet in an angle of 1.90194 degrees, between an "
+                      "edge of one and the inside of the other, beside a common edge"),
+            std::string::npos)
+      << status;
 }
 
 TEST(SpacePlc, SegmentsPassEachOtherAtTheCloseLimit) {
