@@ -25,8 +25,8 @@ constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
 // Compares angles by the sine of their difference to 90 degrees: sin(20 degrees), plus a millionth.
 constexpr double kMostLack = 0.3420201433256687 * kWider;
-// Between segments at 60 degrees or more there are no shells.
-constexpr double kMostSharp = std::numbers::pi / 3;
+// tan(60 degrees): between segments at 60 degrees or more there are no shells.
+constexpr double kMostTangent = std::numbers::sqrt3;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 
@@ -102,21 +102,24 @@ Vector3 UnitTo(const Facet& f, const Facet::Corner& from, const Facet::Corner& t
   return d;
 }
 
-// The angle of f at corner `at` from its edge along the unit vector `along`, which is the one to
-// the corner `beside`, over its inside, towards the unit vector `inward`. In radians.
-double OpeningOf(const Facet& f, const Facet::Corner& at, FeatureId beside, const Vector3& along,
-                 const Vector3& inward) {
-  double opening = 2 * std::numbers::pi;
+// Let b be the angle of f at corner `at` from its edge along the unit vector `along`, which is the
+// one to the corner `beside`, over its inside, towards the unit vector `inward`. The tangent of
+// b / 2, or of 60 degrees if that is less. Roots and fractions only: a verdict is the same on any
+// machine, which trigonometric functions of a library do not promise.
+double TangentOfHalf(const Facet& f, const Facet::Corner& at, FeatureId beside,
+                     const Vector3& along, const Vector3& inward) {
+  double tangent = kMostTangent;
   for (const Facet::Corner& visit : f.At(at.id)) {
     for (const bool next : {false, true}) {
       const Facet::Corner other = f.Beside(visit, next);
       if (other.id == beside) continue;
       const Vector3 d = UnitTo(f, visit, other);
-      const double angle = std::atan2(Dot(d, inward), Dot(d, along));
-      opening = std::min(opening, angle > 0 ? angle : angle + 2 * std::numbers::pi);
+      const double sine = Dot(d, inward), cosine = Dot(d, along);
+      // Else the angle is 180 degrees or more.
+      if (sine > 0 && 1 + cosine > 0) tangent = std::min(tangent, sine / (1 + cosine));
     }
   }
-  return opening;
+  return tangent;
 }
 
 // The greatest cosine of the angles between f and edges of g that lean over it; -1 if there are
@@ -129,8 +132,7 @@ double CosineOfLean(const Facet& f, const Facet& g) {
       const Facet::Corner beside = f.Beside(at, forward);
       if (!g.HasEdge(at.id, beside.id)) continue;
       const Vector3 along = UnitTo(f, at, beside), inward = f.InwardOf(forward ? at : beside);
-      const double opening = OpeningOf(f, at, beside.id, along, inward);
-      const double tangent = std::tan(std::min(opening / 2, kMostSharp));
+      const double tangent = TangentOfHalf(f, at, beside.id, along, inward);
       for (const Facet::Corner& visit : g.At(at.id)) {
         for (const bool next : {false, true}) {
           const Facet::Corner other = g.Beside(visit, next);
