@@ -26,6 +26,7 @@
 #include "server/calls/admission.h"
 #include "server/calls/mesh_service.h"
 #include "server/calls/unknown_methods.h"
+#include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
 #include "server/metrics/call_observer.h"
 #include "server/metrics/metrics_http.h"
@@ -168,11 +169,42 @@ struct Server::Impl {
       return absl::OkStatus();
     }
     const absl::Time start = absl::Now();
+    if (!config.node_address.empty()) return Join();
     if (absl::Status status = registry.Recover(); !status.ok()) return status;
     Log(LogLevel::kInfo, "journal_open",
         {{"journal", journal->name()},
          {"meshes", registry.size()},
          {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+    return absl::OkStatus();
+  }
+
+  // HOST:PORT for other nodes.
+  std::string NodeAddress() const {
+    const std::string& given = config.node_address;
+    const std::size_t colon = given.rfind(':');
+    const bool has_port = colon != std::string::npos && given.find(']', colon) == std::string::npos;
+    if (!has_port) return absl::StrCat(given, ":", port);
+    if (given.substr(colon + 1) == "0") return absl::StrCat(given.substr(0, colon + 1), port);
+    return given;
+  }
+
+  // Meshes of other nodes stay there, and those that are free are opened while calls are answered.
+  absl::Status Join() {
+    const std::string address = NodeAddress();
+    const auto may_answer = [this] {
+      const LeaseKeeper* const now = joined;
+      return now != nullptr && now->MayAnswerReads();
+    };
+    if (absl::Status status = registry.Join(address, may_answer); !status.ok()) return status;
+    keeper = std::make_unique<LeaseKeeper>(
+        absl::ToChronoNanoseconds(journal->shared()->lease()),
+        LeaseKeeper::Calls{[this] { return registry.Renew(); },
+                           [this] { return journal->shared()->GiveUp(); }});
+    joined = keeper.get();
+    Log(LogLevel::kInfo, "node_joined",
+        {{"journal", journal->name()},
+         {"address", address},
+         {"lease", absl::FormatDuration(config.lease)}});
     return absl::OkStatus();
   }
 
@@ -214,6 +246,9 @@ struct Server::Impl {
     metrics.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(registry, out);
       if (journal != nullptr) WriteJournal(*journal, out);
+      if (const LeaseKeeper* const now = joined; now != nullptr) {
+        WriteNode(registry, *now, config.lease, out);
+      }
       WriteLimits(memory, config.tls, out);
       WriteStreams(context.client_streams, out);
       WriteProcess(out);
@@ -246,6 +281,8 @@ struct Server::Impl {
   WorkerPool answers;  // not shared with readers: their tasks may take O(mesh)
   BuildPool builds;
   MeshRegistry registry;
+  std::unique_ptr<LeaseKeeper> keeper;  // null: the journal's meshes are this server's alone
+  std::atomic<const LeaseKeeper*> joined{nullptr};  // the same, for all threads
   CallMetrics calls;
   ServiceContext context;
   MeshServiceImpl service;
@@ -336,7 +373,10 @@ bool Server::Drain(absl::Duration limit) {
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();
   impl_->registry.EndSweeps();
+  impl_->registry.CloseOpening(DrainingError());
   impl_->writers.Stop();
+  // After the last append: another server may take the meshes over at once.
+  if (impl_->keeper != nullptr) impl_->keeper->Stop();
   impl_->readers.Stop();
   impl_->answers.Stop();
   impl_->builds.Stop();

@@ -10,7 +10,6 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -21,11 +20,13 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/peer.h"
+#include "server/calls/asking.h"
 #include "server/calls/build_call.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
+#include "server/calls/locate_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/calls/snapshot_call.h"
@@ -82,44 +83,6 @@ class CreateReactor final : public grpc::ServerUnaryReactor {
   void OnDone() override { delete this; }
 
   std::atomic<bool> cancelled_{false};
-};
-
-// Waits for its turn among the edits, unless it is cancelled. Frees itself.
-class LocateCall final : public grpc::ServerUnaryReactor {
- public:
-  LocateCall(MeshRegistry::HostPtr host, WorkGate::Ticket ticket,
-             v1::LocatePointsResponse* response)
-      : host_(std::move(host)), ticket_(std::move(ticket)), response_(response) {}
-
-  void Start(std::vector<double> points) {
-    const absl::Status status =
-        host_->Locate(std::move(points), cancelled_,
-                      [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
-    if (!status.ok()) Finish(codec::ToGrpcStatus(status));
-  }
-  // gRPC calls it after Start has returned.
-  void OnCancel() override {
-    cancelled_->store(true, std::memory_order_relaxed);
-    host_->Withdraw(cancelled_);
-  }
-  void OnDone() override { delete this; }
-
- private:
-  void Answer(const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
-    if (answer.ok()) {
-      response_->set_revision(answer->revision);
-      response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
-                                                                answer->simplices.end());
-      response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
-    }
-    ticket_.reset();
-    Finish(codec::ToGrpcStatus(answer.status()));
-  }
-
-  const MeshRegistry::HostPtr host_;
-  WorkGate::Ticket ticket_;
-  v1::LocatePointsResponse* const response_;  // valid until the call is finished
-  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 };
 
 // The caller's identity. Valid as long as `call` and `peer`.
@@ -259,6 +222,7 @@ absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* c
 void MeshServiceImpl::BeginDrain() {
   context_.gate.Close();
   streams_.EndAll(DrainingError());
+  context_.registry->CloseOpening(DrainingError());
   context_.registry->CloseWatches(DrainingError());
 }
 
@@ -296,12 +260,18 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   // Request and response live until the call is finished.
   context_.writers->Post(
       [this, reactor, request, response, options = *options, held = *ticket,
+       asking = AskingOf(*call),
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
         const auto host = context_.registry->Create(
             request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
-        if (host.ok()) EncodeMesh(**host, response);
+        const auto answer = [reactor, response,
+                             held](const absl::StatusOr<MeshRegistry::HostPtr>& made) mutable {
+          if (made.ok()) EncodeMesh(**made, response);
+          held.reset();
+          reactor->Finish(codec::ToGrpcStatus(made.status()));
+        };
         held.reset();
-        reactor->Finish(codec::ToGrpcStatus(host.status()));
+        context_.registry->FindMade(host, options, request->request_id(), asking, answer);
       });
   return reactor;
 }
@@ -311,9 +281,16 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* 
                                                    v1::Mesh* response) {
   const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
   if (!pass.ok()) return Finished(call, pass.status());
-  const auto host = context_.registry->Find(request->mesh());
-  if (host.ok()) EncodeMesh(**host, response);
-  return Finished(call, host.status());
+  auto* reactor = call->DefaultReactor();
+  context_.registry->Open(
+      request->mesh(), AskingOf(*call),
+      [this, reactor, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+        if (host.ok()) EncodeMesh(**host, response);
+        const absl::Status status =
+            host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
+        reactor->Finish(codec::ToGrpcStatus(status));
+      });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContext* call,
@@ -380,9 +357,16 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext*
   response->set_meshes(context_.registry->size());
   response->set_watchers(context_.watchers.used());
   if (request->mesh().empty()) return Finished(call, absl::OkStatus());
-  const auto host = context_.registry->Find(request->mesh());
-  if (host.ok()) EncodeStats(**host, response->mutable_mesh());
-  return Finished(call, host.status());
+  auto* reactor = call->DefaultReactor();
+  context_.registry->Open(
+      request->mesh(), AskingOf(*call),
+      [this, reactor, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+        if (host.ok()) EncodeStats(**host, response->mutable_mesh());
+        const absl::Status status =
+            host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
+        reactor->Finish(codec::ToGrpcStatus(status));
+      });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerContext* call,
@@ -392,14 +376,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   if (!pass.ok()) return Finished(call, pass.status());
   const auto ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
-  const auto host = context_.registry->Find(request->mesh());
-  if (!host.ok()) return Finished(call, host.status());
-  absl::Status status = CheckLocate(*request, (*host)->mesh_options().dimension);
-  if (!status.ok()) return Finished(call, status);
-
-  auto* reactor = new LocateCall(*host, *ticket, response);
-  reactor->Start({request->coordinates().begin(), request->coordinates().end()});
-  return reactor;
+  return StartLocateCall(context_, *request, response, *ticket, call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(

@@ -1,0 +1,124 @@
+// Which of several nodes has a mesh, and how clients get there. A lease is long, or ended by hand:
+// no test measures time.
+#include <thread>
+
+#include "tests/cluster/cluster_fixture.h"
+#include "tests/e2e/killed_clients.h"
+
+namespace dynmesh::test {
+namespace {
+
+class OwnershipTest : public ClusterTest {
+ protected:
+  OwnershipTest() : ClusterTest("3600") {}
+
+  static EditBatch Point(FeatureId id) {
+    return {Edit::Add(Feature::Point(id, 0.01 * static_cast<double>(id), 0.5))};
+  }
+  static client::EditParams Request(const std::string& id) {
+    client::EditParams params;
+    params.request_id = id;
+    return params;
+  }
+  std::unique_ptr<MeshClient> ConnectTo(int node) const {
+    return Connect(nodes_[static_cast<std::size_t>(node)]->address);
+  }
+  const std::string& AddressOf(int node) const {
+    return nodes_[static_cast<std::size_t>(node)]->address;
+  }
+  // As if the node had not renewed for longer than a lease.
+  void EndLeasesOf(int node) {
+    Sql("UPDATE dynmesh.meshes SET lease_until = clock_timestamp() - interval '1 second'");
+    Sql("UPDATE dynmesh.nodes SET seen = seen - interval '2 hours' WHERE address = '" +
+        AddressOf(node) + "'");
+  }
+};
+
+TEST_F(OwnershipTest, AClientOfAnyNodeIsSentToTheOwner) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  EXPECT_EQ(OwnerOf("m"), AddressOf(0));
+  const auto other = ConnectTo(1);
+  const auto applied = other->Apply("m", Point(1));
+  ASSERT_TRUE(applied.ok()) << applied.status();
+  EXPECT_EQ(applied->diff.to_revision, 1u);
+  const auto session = ConnectTo(1)->OpenEdits("m");
+  EXPECT_EQ(ConnectTo(1)->GetSnapshot("m")->revision, 1u);
+  EXPECT_EQ(ConnectTo(1)->GetStats("m")->mesh->stats.features, 1u);
+  EXPECT_EQ(ConnectTo(1)->GetFeatures("m")->features.size(), 1u);
+  EXPECT_TRUE(ConnectTo(1)->Locate("m", 2, std::vector<double>{0.3, 0.4}).ok());
+  const auto watch = ConnectTo(1)->Watch("m", {}, nullptr);
+  ASSERT_TRUE(other->Apply("m", Point(2)).ok());
+  EXPECT_TRUE(watch->WaitFor(
+      [](const client::MeshReplica& r) {
+        return r.state() == client::MeshReplica::State::kLive && r.revision() == 2;
+      },
+      absl::Minutes(1)));
+  EXPECT_EQ(OwnerOf("m"), AddressOf(0));
+  ASSERT_TRUE(ConnectTo(1)->DeleteMesh("m").ok());
+  EXPECT_TRUE(absl::IsNotFound(ConnectTo(0)->GetMesh("m").status()));
+  EXPECT_TRUE(absl::IsNotFound(ConnectTo(1)->GetMesh("m").status()));
+}
+
+TEST_F(OwnershipTest, AMeshIsMadeOnceWhicheverNodesAreAsked) {
+  StartNodes(2);
+  for (const std::string id : {"m", ""}) {
+    SCOPED_TRACE(id);
+    const std::string request = "make-" + id;
+    const auto made = ConnectTo(0)->CreateMesh(id, MeshOptions(), request);
+    ASSERT_TRUE(made.ok()) << made.status();
+    const auto again = ConnectTo(1)->CreateMesh(id, MeshOptions(), request);
+    ASSERT_TRUE(again.ok()) << again.status();
+    EXPECT_EQ(again->id, made->id);
+    EXPECT_EQ(again->create_time, made->create_time);
+    const absl::Status other = ConnectTo(1)->CreateMesh(made->id, MeshOptions()).status();
+    EXPECT_EQ(ReasonOf(other), codec::reason::kMeshExists) << other;
+  }
+}
+
+TEST_F(OwnershipTest, AFreeMeshIsOpenedByOneNodeHoweverManyAsk) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  ASSERT_TRUE(ConnectTo(0)->Apply("m", Point(1)).ok());
+  EXPECT_EQ(nodes_[0]->daemon.End(SIGTERM), 0) << nodes_[0]->daemon.Log();
+  EXPECT_EQ(Sql("SELECT lease_until FROM dynmesh.meshes"), "-infinity");
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 8; ++i) {
+    callers.emplace_back([this] {
+      const auto found = ConnectTo(1)->GetMesh("m");
+      EXPECT_TRUE(found.ok()) << found.status();
+      EXPECT_EQ(found.ok() ? found->revision : 0, 1u);
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(OwnerOf("m"), AddressOf(1));
+  EXPECT_EQ(Sql("SELECT epoch FROM dynmesh.meshes"), "2");
+  // A client of the first node finds the second one.
+  const auto client = Connect();
+  ASSERT_TRUE(client->Apply("m", Point(2), Request("b")).ok());
+}
+
+TEST_F(OwnershipTest, AFencedOwnersClientsGoToTheNewOwner) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  const auto client = Connect();
+  ASSERT_TRUE(client->Apply("m", Point(1), Request("a")).ok());
+  const auto watch = Connect()->Watch("m", {}, nullptr);
+  // As if the first node had slept: its lease has ended, and the second one claims.
+  nodes_[0]->daemon.Signal(SIGSTOP);
+  EndLeasesOf(0);
+  ASSERT_TRUE(ConnectTo(1)->Apply("m", Point(2), Request("b")).ok());
+  nodes_[0]->daemon.Signal(SIGCONT);
+  const auto applied = client->Apply("m", Point(3), Request("c"));
+  ASSERT_TRUE(applied.ok()) << applied.status();
+  EXPECT_EQ(applied->diff.to_revision, 3u);
+  EXPECT_EQ(OwnerOf("m"), AddressOf(1));
+  EXPECT_TRUE(watch->WaitFor(
+      [](const client::MeshReplica& r) {
+        return r.state() == client::MeshReplica::State::kLive && r.revision() == 3;
+      },
+      absl::Minutes(1)));
+}
+
+}  // namespace
+}  // namespace dynmesh::test
