@@ -21,14 +21,15 @@ absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
   MeshInfo info;
   info.id = proto.name().substr(proto.name().find('/') + 1);
   info.damage = proto.damage();
+  info.owner = proto.owner();
+  info.create_time = absl::FromUnixSeconds(proto.create_time().seconds()) +
+                     absl::Nanoseconds(proto.create_time().nanos());
+  info.revision = proto.revision();
   if (!proto.has_options()) return info;
   info.read_only = !info.damage.empty();
   auto options = codec::DecodeOptions(proto.options(), std::numeric_limits<std::uint64_t>::max());
   if (!options.ok()) return options.status();
   info.options = *options;
-  info.create_time = absl::FromUnixSeconds(proto.create_time().seconds()) +
-                     absl::Nanoseconds(proto.create_time().nanos());
-  info.revision = proto.revision();
   auto hash = MeshHash::FromHex(proto.hash());
   if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
   info.hash = *hash;

@@ -231,6 +231,9 @@ void AddFlags(CLI::App& app, Flags& f) {
                  "HOST[:PORT] at which clients and other servers reach this one: it shares the "
                  "meshes of --journal with them; default: it has all meshes")
       ->type_name("ADDRESS");
+  app.add_option("--node-ca", c.node_ca,
+                 "PEM file: the authority that signed the other servers' certificates; with TLS, "
+                 "calls of clients that do not go there themselves are handed on only with it");
   AddSeconds(app, "lease", c.lease, 0.1,
              "seconds after which another server takes over the meshes of one that has ended; the "
              "same at all servers of a journal");

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -72,6 +74,26 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
 }
 
+// For calls that are handed on; null: none is. The files are read once.
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> NeighbourCredentials(
+    const ServerConfig& config) {
+  if (config.node_address.empty()) return nullptr;
+  if (!config.tls.enabled()) return grpc::InsecureChannelCredentials();
+  if (config.node_ca.empty()) return nullptr;
+  grpc::SslCredentialsOptions options;
+  for (const auto& [path, text] : {std::pair{&config.node_ca, &options.pem_root_certs},
+                                   std::pair{&config.tls.key, &options.pem_private_key},
+                                   std::pair{&config.tls.certificate, &options.pem_cert_chain}}) {
+    std::ifstream in(*path, std::ios::binary);
+    text->assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    if (!in.good() || text->empty()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("node-ca: ", *path, " cannot be read, or is empty"));
+    }
+  }
+  return grpc::SslCredentials(options);
+}
+
 // Calls a function every kTick until destroyed.
 class Ticker {
  public:
@@ -100,7 +122,8 @@ class Ticker {
 
 struct Server::Impl {
   Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j,
-       std::unique_ptr<Access> a, MeshBuilder builder)
+       std::unique_ptr<Access> a, MeshBuilder builder,
+       std::shared_ptr<grpc::ChannelCredentials> neighbours)
       : config(c),
         journal(std::move(j)),
         access(std::move(a)),
@@ -113,7 +136,7 @@ struct Server::Impl {
         calls(metrics.registry),
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now(),
                 &builds),
-        service(&context) {}
+        service(&context, std::move(neighbours)) {}
 
   // A Listen that fails has opened the port already.
   ~Impl() {
@@ -317,8 +340,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   absl::StatusOr<std::unique_ptr<Access>> access =
       Access::Create(config.tokens_file, config.max_requests_per_second);
   if (!access.ok()) return access.status();
-  auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal),
-                                     *std::move(access), std::move(builder));
+  auto neighbours = NeighbourCredentials(config);
+  if (!neighbours.ok()) return neighbours.status();
+  auto impl =
+      std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access),
+                             std::move(builder), *std::move(neighbours));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   impl->credentials = std::move(credentials);
   impl->tls = std::move(tls);

@@ -15,15 +15,22 @@ namespace {
 // Waits for its turn among the edits, unless it is cancelled. Frees itself.
 class LocateCall final : public grpc::ServerUnaryReactor {
  public:
-  LocateCall(const MeshRegistry& meshes, WorkGate::Ticket ticket,
-             v1::LocatePointsResponse* response)
-      : meshes_(meshes), ticket_(std::move(ticket)), response_(response) {}
+  LocateCall(const MeshRegistry& meshes, Forwarder& forwarder, WorkGate::Ticket ticket,
+             v1::LocatePointsResponse* response, grpc::CallbackServerContext* rpc)
+      : meshes_(meshes),
+        forwarder_(forwarder),
+        ticket_(std::move(ticket)),
+        response_(response),
+        rpc_(rpc) {}
 
   // Once the mesh is open, or is not.
   void Begin(const v1::LocatePointsRequest& request,
              const absl::StatusOr<MeshRegistry::HostPtr>& host) {
-    absl::Status status = host.status();
-    if (status.ok()) status = CheckLocate(request, (*host)->mesh_options().dimension);
+    if (!host.ok()) {
+      return forwarder_.End(host.status(), rpc_, &Forwarder::Async::LocatePoints, &request,
+                            response_, [this](const grpc::Status& end) { Finish(end); });
+    }
+    absl::Status status = CheckLocate(request, (*host)->mesh_options().dimension);
     if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
     {
       const std::lock_guard lock(mutex_);
@@ -61,21 +68,23 @@ class LocateCall final : public grpc::ServerUnaryReactor {
   }
 
   const MeshRegistry& meshes_;
+  Forwarder& forwarder_;
   std::mutex mutex_;
   MeshRegistry::HostPtr host_;  // written under mutex_
   WorkGate::Ticket ticket_;
-  v1::LocatePointsResponse* const response_;  // valid until the call is finished
+  v1::LocatePointsResponse* const response_;  // as rpc_
+  grpc::CallbackServerContext* const rpc_;    // valid until the call is finished
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 };
 
 }  // namespace
 
-grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context,
+grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& forwarder,
                                           const v1::LocatePointsRequest& request,
                                           v1::LocatePointsResponse* response,
                                           WorkGate::Ticket ticket,
                                           grpc::CallbackServerContext* rpc) {
-  auto* call = new LocateCall(*context.registry, std::move(ticket), response);
+  auto* call = new LocateCall(*context.registry, forwarder, std::move(ticket), response, rpc);
   context.registry->Open(request.mesh(), AskingOf(*rpc),
                          [call, &request](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
                            call->Begin(request, host);

@@ -7,12 +7,13 @@
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/base/work_gate.h"
 #include "server/calls/admission.h"
+#include "server/calls/forwarder.h"
 
 namespace dynmesh::server {
 
 // For an admitted call with a ticket. The reactor frees itself; request and response live until the
 // call is finished.
-grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context,
+grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& forwarder,
                                           const v1::LocatePointsRequest& request,
                                           v1::LocatePointsResponse* response,
                                           WorkGate::Ticket ticket,

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -46,6 +47,26 @@ void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   out->set_revision(head.revision);
   out->set_hash(head.hash.ToHex());
   if (!host.read_only().ok()) out->set_damage(std::string(host.read_only().message()));
+}
+
+// The first `count` of the meshes, and the next page's token if there are more.
+void EncodeList(const std::vector<MeshRegistry::Listed>& meshes, std::size_t count,
+                v1::ListMeshesResponse* out) {
+  for (std::size_t i = 0; i < std::min(meshes.size(), count); ++i) {
+    const MeshRegistry::Listed& listed = meshes[i];
+    v1::Mesh* const mesh = out->add_meshes();
+    if (listed.host != nullptr) {
+      EncodeMesh(*listed.host, mesh);
+      continue;
+    }
+    mesh->set_name(MeshName(listed.id));
+    mesh->set_damage(std::string(listed.damage.message()));
+    if (listed.owner.empty()) continue;
+    mesh->set_owner(listed.owner);
+    mesh->set_revision(listed.revision);
+    codec::EncodeTime(listed.create_time, mesh->mutable_create_time());
+  }
+  if (meshes.size() > count) out->set_next_page_token(meshes[count - 1].id);
 }
 
 void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
@@ -121,7 +142,9 @@ const google::protobuf::ServiceDescriptor& Descriptor() {
 
 }  // namespace
 
-MeshServiceImpl::MeshServiceImpl(ServiceContext* context) : context_(*context) {
+MeshServiceImpl::MeshServiceImpl(ServiceContext* context,
+                                 std::shared_ptr<grpc::ChannelCredentials> neighbours)
+    : context_(*context), forwarder_(std::move(neighbours)) {
   const google::protobuf::ServiceDescriptor& service = Descriptor();
   for (int i = 0; i < service.method_count(); ++i) {
     const google::protobuf::MethodDescriptor& method = *service.method(i);
@@ -259,16 +282,16 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
   context_.writers->Post(
-      [this, reactor, request, response, options = *options, held = *ticket,
+      [this, reactor, call, request, response, options = *options, held = *ticket,
        asking = AskingOf(*call),
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
         const auto host = context_.registry->Create(
             request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
-        const auto answer = [reactor, response,
-                             held](const absl::StatusOr<MeshRegistry::HostPtr>& made) mutable {
+        const auto answer = [this, reactor, call, request,
+                             response](const absl::StatusOr<MeshRegistry::HostPtr>& made) {
           if (made.ok()) EncodeMesh(**made, response);
-          held.reset();
-          reactor->Finish(codec::ToGrpcStatus(made.status()));
+          forwarder_.End(made.status(), call, &Forwarder::Async::CreateMesh, request, response,
+                         [reactor](const grpc::Status& end) { reactor->Finish(end); });
         };
         held.reset();
         context_.registry->FindMade(host, options, request->request_id(), asking, answer);
@@ -284,11 +307,12 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* 
   auto* reactor = call->DefaultReactor();
   context_.registry->Open(
       request->mesh(), AskingOf(*call),
-      [this, reactor, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+      [this, reactor, call, request, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
         if (host.ok()) EncodeMesh(**host, response);
         const absl::Status status =
             host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
-        reactor->Finish(codec::ToGrpcStatus(status));
+        forwarder_.End(status, call, &Forwarder::Async::GetMesh, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
       });
   return reactor;
 }
@@ -308,25 +332,24 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   const int size =
       request->page_size() == 0 ? kDefaultPageSize : std::min(request->page_size(), kMaxPageSize);
   const auto count = static_cast<std::size_t>(size);
-  const auto meshes = context_.registry->List(
-      request->page_token(), count + 1,
-      [&pass](absl::string_view id) { return pass->Allows(Role::kRead, id); });
-  for (std::size_t i = 0; i < std::min(meshes.size(), count); ++i) {
-    v1::Mesh* const out = response->add_meshes();
-    if (meshes[i].host != nullptr) {
-      EncodeMesh(*meshes[i].host, out);
-    } else {
-      out->set_name(MeshName(meshes[i].id));
-      out->set_damage(std::string(meshes[i].damage.message()));
-    }
+  const auto shown = [pass = *pass](absl::string_view id) { return pass.Allows(Role::kRead, id); };
+  MeshRegistry* const registry = context_.registry;
+  if (!registry->is_shared()) {
+    EncodeList(registry->List(request->page_token(), count + 1, shown), count, response);
+    return Finished(call, absl::OkStatus());
   }
-  if (meshes.size() > count) response->set_next_page_token(meshes[count - 1].id);
-  return Finished(call, absl::OkStatus());
+  auto* reactor = call->DefaultReactor();
+  context_.readers->Post([reactor, registry, request, response, shown, count] {
+    const auto meshes = registry->ListAll(request->page_token(), count + 1, shown);
+    if (meshes.ok()) EncodeList(*meshes, count, response);
+    reactor->Finish(codec::ToGrpcStatus(meshes.status()));
+  });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContext* call,
                                                       const v1::DeleteMeshRequest* request,
-                                                      v1::DeleteMeshResponse*) {
+                                                      v1::DeleteMeshResponse* response) {
   const absl::StatusOr<Pass> pass = Admit(call, Role::kAdmin, request->mesh());
   if (!pass.ok()) return Finished(call, pass.status());
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
@@ -334,11 +357,12 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
   auto* reactor = call->DefaultReactor();
   // It may wait for the disk.
   context_.writers->Post(
-      [this, reactor, request, held = *ticket,
+      [this, reactor, call, request, response, held = *ticket,
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
         const absl::Status status = context_.registry->Delete(request->mesh(), origin);
         held.reset();
-        reactor->Finish(codec::ToGrpcStatus(status));
+        forwarder_.End(status, call, &Forwarder::Async::DeleteMesh, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
       });
   return reactor;
 }
@@ -360,11 +384,12 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext*
   auto* reactor = call->DefaultReactor();
   context_.registry->Open(
       request->mesh(), AskingOf(*call),
-      [this, reactor, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+      [this, reactor, call, request, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
         if (host.ok()) EncodeStats(**host, response->mutable_mesh());
         const absl::Status status =
             host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
-        reactor->Finish(codec::ToGrpcStatus(status));
+        forwarder_.End(status, call, &Forwarder::Async::GetStats, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
       });
   return reactor;
 }
@@ -376,7 +401,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   if (!pass.ok()) return Finished(call, pass.status());
   const auto ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
-  return StartLocateCall(context_, *request, response, *ticket, call);
+  return StartLocateCall(context_, forwarder_, *request, response, *ticket, call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(

@@ -7,11 +7,9 @@
 namespace dynmesh::server {
 
 LeaseKeeper::LeaseKeeper(std::chrono::nanoseconds ttl, Calls calls)
-    : period_(ttl * 2 / 5),
-      retry_(ttl / 10),
-      calls_(std::move(calls)),
-      reads_(ttl),
-      thread_([this] { Run(); }) {}
+    : period_(ttl / 2), retry_(ttl / 10), calls_(std::move(calls)), reads_(ttl), thread_([this] {
+        Run();
+      }) {}
 
 void LeaseKeeper::Run() {
   bool failing = false;

@@ -1,5 +1,5 @@
-// Renews a node's leases from a thread of its own, five times in two leases, until it is stopped.
-// (More often, and other nodes would wait longer for the end of a dead one's lease.)
+// Renews a node's leases from a thread of its own, twice in a lease, until it is stopped. (More
+// often, and other nodes would wait longer for the end of a dead one's lease.)
 //
 // A renewal that fails is tried again after a tenth of a lease: as long as the lease in the
 // database has not run out nothing is lost, and afterwards the lease for reads has ended before.

@@ -26,6 +26,9 @@ struct ServerConfig {
   // port 0, the one of `listen`. Not empty: it shares the journal's meshes with others that have
   // such an address. Empty: it has all meshes itself.
   std::string node_address;
+  // PEM file of the authority of the other servers' certificates, for calls that are handed on to
+  // them. With TLS and without this none is.
+  std::string node_ca;
   // How long another server waits, when this one has ended, before it takes over its meshes.
   absl::Duration lease = absl::Seconds(3);
 

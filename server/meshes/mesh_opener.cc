@@ -129,8 +129,8 @@ MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal:
                                      bool claims) {
   const absl::Duration lease = journal_->lease();
   if (!place.is_mine && place.left > absl::ZeroDuration()) {
-    // An owner that renews leaves more than half of it.
-    if (place.left > lease / 2) {
+    // An owner that renews leaves about half of it (lease_keeper.h).
+    if (place.left > 0.4 * lease) {
       return {NotOwnerError(id, {place.address, place.epoch}), /*only_followers=*/false};
     }
     const absl::Duration again = std::min(place.left + kPast, lease / 10);

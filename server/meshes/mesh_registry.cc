@@ -87,7 +87,13 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
   if (it == hosts_.end() || it->second.host == nullptr || it->second.request_id != request_id) {
     return HostPtr();
   }
-  if (options != it->second.host->mesh_options()) {
+  const MeshOptions& made_with = it->second.host->mesh_options();
+  MeshOptions asked = options;
+  // The server that made it may have had another limit.
+  if (shared_ != nullptr && asked.limits.max_vertices == MaxVertices(asked.dimension)) {
+    asked.limits.max_vertices = made_with.limits.max_vertices;
+  }
+  if (asked != made_with) {
     return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, it->first,
                      "was made with this request_id and other content: use a new one");
   }
@@ -301,7 +307,7 @@ std::vector<MeshRegistry::Listed> MeshRegistry::List(
   std::vector<Listed> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
     if (shown != nullptr && !shown(it->first)) continue;
-    found.push_back({it->first, it->second.host, it->second.damage});
+    found.push_back({it->first, it->second.host, it->second.damage, "", 0, {}});
   }
   return found;
 }

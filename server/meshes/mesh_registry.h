@@ -95,11 +95,21 @@ class MeshRegistry {
     std::string id;
     HostPtr host;         // null: not readable
     absl::Status damage;  // the reason; with a host: why it is read only
+    // Of a mesh that is not here, but is not damaged either:
+    std::string owner;  // the address of its server, or "none"
+    std::uint64_t revision = 0;
+    absl::Time create_time;
   };
   // At most `limit` meshes with ids > `after`, sorted by id. If `shown` is given, only ids for
   // which it returns true.
   std::vector<Listed> List(absl::string_view after, std::size_t limit,
                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
+  // True after Join: then ListAll has all meshes of the journal, as List those that are here. Waits
+  // for the journal. UNAVAILABLE (JOURNAL_FAILED).
+  bool is_shared() const { return shared_ != nullptr; }
+  absl::StatusOr<std::vector<Listed>> ListAll(
+      absl::string_view after, std::size_t limit,
+      const std::function<bool(absl::string_view)>& shown) const;
   // All meshes that are not damaged, by id.
   std::vector<HostPtr> Hosts() const;
 
@@ -137,6 +147,7 @@ class MeshRegistry {
   absl::Status OpenChosen();
   // Of a mesh that is to be deleted and is not here: NOT_FOUND, or NOT_OWNER if it is leased.
   absl::StatusOr<Journal::Key> KeyElsewhere(const std::string& id) const;
+  Listed ListedOf(const SharedJournal::Place& place) const;
   // Drops a mesh that another server has. The host is destroyed by a writer.
   void Drop(const std::string& id, const HostPtr& host, const absl::Status& why);
   // Makes the host of a recovered mesh, and puts it in.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
@@ -97,6 +98,46 @@ void MeshRegistry::Open(absl::string_view name, const Asking& asking, MeshOpener
   if (is_here) return done(Find(name));
   if (gone != nullptr) Drop(*id, gone, Lost());
   opener_->Open(*id, asking, std::move(done));
+}
+
+absl::StatusOr<std::vector<MeshRegistry::Listed>> MeshRegistry::ListAll(
+    absl::string_view after, std::size_t limit,
+    const std::function<bool(absl::string_view)>& shown) const {
+  std::vector<Listed> listed;
+  std::string last(after);
+  while (true) {
+    const absl::StatusOr<std::vector<SharedJournal::Place>> places =
+        shared_->LocateAll(last, kPage);
+    if (!places.ok()) {
+      return absl::Status(places.status().code(),
+                          absl::StrCat("the meshes cannot be listed: ", places.status().message()));
+    }
+    for (const SharedJournal::Place& place : *places) {
+      const std::string& id = last = place.mesh.id;
+      if (listed.size() == limit) return listed;
+      if (shown != nullptr && !shown(id)) continue;
+      listed.push_back(ListedOf(place));
+    }
+    if (places->size() < kPage) return listed;
+  }
+}
+
+MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Place& place) const {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = hosts_.find(place.mesh.id);
+    if (it != hosts_.end() && (it->second.host == nullptr || !it->second.host->disowned())) {
+      return {it->first, it->second.host, it->second.damage, "", 0, {}};
+    }
+  }
+  const auto made = codec::DecodeJournalMesh(place.mesh.description);
+  if (!place.mesh.damage.ok() || !made.ok()) {
+    const absl::Status& why = place.mesh.damage.ok() ? made.status() : place.mesh.damage;
+    return {place.mesh.id, nullptr, DamageOf(place.mesh.id, why), "", 0, {}};
+  }
+  const bool is_held = place.left > absl::ZeroDuration() && !place.address.empty();
+  return {place.mesh.id,  nullptr,          absl::OkStatus(), is_held ? place.address : "none",
+          place.revision, made->create_time};
 }
 
 absl::StatusOr<Journal::Key> MeshRegistry::KeyElsewhere(const std::string& id) const {

@@ -1,7 +1,13 @@
 // Which of several nodes has a mesh, and how clients get there. A lease is long, or ended by hand:
 // no test measures time.
+#include <grpcpp/grpcpp.h>
+
 #include <thread>
 
+#include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
 #include "tests/cluster/cluster_fixture.h"
 #include "tests/e2e/killed_clients.h"
 
@@ -58,6 +64,67 @@ TEST_F(OwnershipTest, AClientOfAnyNodeIsSentToTheOwner) {
   ASSERT_TRUE(ConnectTo(1)->DeleteMesh("m").ok());
   EXPECT_TRUE(absl::IsNotFound(ConnectTo(0)->GetMesh("m").status()));
   EXPECT_TRUE(absl::IsNotFound(ConnectTo(1)->GetMesh("m").status()));
+}
+
+// A client that says nothing of redirects, as an earlier version.
+TEST_F(OwnershipTest, CallsOfAClientThatDoesNotFollowAreHandedOn) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions(), "make").ok());
+  ASSERT_TRUE(ConnectTo(0)->Apply("m", Point(1)).ok());
+  const auto service = v1::MeshService::NewStub(
+      grpc::CreateChannel(AddressOf(1), grpc::InsecureChannelCredentials()));
+  const auto call = [&](auto method, const auto& request, auto* response) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kPatience);
+    return codec::FromGrpcStatus((service.get()->*method)(&context, request, response));
+  };
+  using Stub = v1::MeshService::Stub;
+  v1::GetMeshRequest get;
+  get.set_mesh("meshes/m");
+  v1::Mesh mesh;
+  EXPECT_EQ(call(&Stub::GetMesh, get, &mesh), absl::OkStatus());
+  EXPECT_EQ(mesh.revision(), 1u);
+  v1::GetStatsRequest stats;
+  stats.set_mesh("meshes/m");
+  v1::GetStatsResponse figures;
+  EXPECT_EQ(call(&Stub::GetStats, stats, &figures), absl::OkStatus());
+  EXPECT_EQ(figures.mesh().features(), 1u);
+  v1::LocatePointsRequest locate;
+  locate.set_mesh("meshes/m");
+  locate.add_coordinates(0.3);
+  locate.add_coordinates(0.4);
+  v1::LocatePointsResponse located;
+  EXPECT_EQ(call(&Stub::LocatePoints, locate, &located), absl::OkStatus());
+  EXPECT_EQ(located.simplices().vertex_ids_size(), 3);
+  v1::CreateMeshRequest create;
+  create.set_mesh_id("m");
+  create.set_request_id("make");
+  codec::EncodeOptions(MeshOptions(), create.mutable_options());
+  create.mutable_options()->clear_max_vertices();
+  v1::Mesh made;
+  EXPECT_EQ(call(&Stub::CreateMesh, create, &made), absl::OkStatus());
+  EXPECT_EQ(made.revision(), 1u);
+  v1::DeleteMeshRequest remove;
+  remove.set_mesh("meshes/m");
+  v1::DeleteMeshResponse removed;
+  EXPECT_EQ(call(&Stub::DeleteMesh, remove, &removed), absl::OkStatus());
+  EXPECT_TRUE(absl::IsNotFound(call(&Stub::GetMesh, get, &mesh)));
+}
+
+TEST_F(OwnershipTest, AListHasTheMeshesOfAllNodes) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("a", MeshOptions()).ok());
+  ASSERT_TRUE(ConnectTo(0)->Apply("a", Point(1)).ok());
+  ASSERT_TRUE(ConnectTo(1)->CreateMesh("b", MeshOptions()).ok());
+  const auto listed = ConnectTo(1)->ListMeshes();
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  ASSERT_EQ(listed->size(), 2u);
+  EXPECT_EQ((*listed)[0].id, "a");
+  EXPECT_EQ((*listed)[0].owner, AddressOf(0));
+  EXPECT_EQ((*listed)[0].revision, 1u);
+  EXPECT_EQ((*listed)[1].id, "b");
+  EXPECT_EQ((*listed)[1].owner, "");
+  EXPECT_EQ((*listed)[1].options.quality, MeshOptions().quality);
 }
 
 TEST_F(OwnershipTest, AMeshIsMadeOnceWhicheverNodesAreAsked) {
