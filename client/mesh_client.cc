@@ -143,7 +143,13 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
                                                 const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  // Another server may take the place of one whose machine or network is gone.
+  const bool is_one = address.find(',') == std::string::npos;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 15'000);
+  if (!is_one) {
+    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect
+  }
   // A restarting server returns soon; gRPC alone would retry only every two minutes eventually.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);

@@ -28,9 +28,9 @@ Stub::Stub(const std::string& addresses, std::shared_ptr<grpc::ChannelCredential
 Stub::ServerPtr Stub::AtLocked(const std::string& address) {
   ServerPtr& server = servers_[address];
   if (server == nullptr) {
-    server = std::make_shared<Server>(Server{
-        address,
-        v1::MeshService::NewStub(grpc::CreateCustomChannel(address, credentials_, arguments_))});
+    auto channel = grpc::CreateCustomChannel(address, credentials_, arguments_);
+    auto service = v1::MeshService::NewStub(channel);
+    server = std::make_shared<Server>(Server{address, std::move(channel), std::move(service)});
   }
   return server;
 }

@@ -28,7 +28,12 @@ class Stub {
  public:
   struct Server {
     std::string address;
+    std::shared_ptr<grpc::Channel> channel;
     std::unique_ptr<v1::MeshService::Stub> service;
+
+    // Connects at the next call, however long gRPC would wait after failures: another server says
+    // that this one is there.
+    void ConnectNow() const { grpc::experimental::ChannelResetConnectionBackoff(channel.get()); }
   };
   using ServerPtr = std::shared_ptr<const Server>;
   using Service = v1::MeshService::Stub;
@@ -99,7 +104,10 @@ auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeo
     const Next next = Learn(mesh, *server, StatusOf(result), repeatable);
     if (next == Next::kOver) return result;
     if (attempt >= (is_shared() ? kMostAttempts : kMostAttemptsOfOne)) return result;
-    if (next == Next::kAtOnce && ++redirects <= 3) continue;
+    if (next == Next::kAtOnce) {
+      Of(mesh)->ConnectNow();
+      if (++redirects <= 3) continue;
+    }
     if (next == Next::kAfterPause) redirects = 0;
     if (absl::Now() + pause >= end) return result;
     absl::SleepFor(pause);

@@ -37,10 +37,12 @@ class ClusterTest : public ::testing::Test {
     return {"--journal", database_.Url("postgres"), "--node-address", "127.0.0.1", "--lease",
             lease_,      "--compact-bytes",         "20000"};
   }
-  void StartNodes(int count) {
+  void StartNodes(int count, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> flags = Flags();
+    flags.insert(flags.end(), more.begin(), more.end());
     for (int i = 0; i < count; ++i) {
       nodes_.push_back(std::make_unique<Node>());
-      ASSERT_TRUE(nodes_.back()->daemon.Start(Flags())) << nodes_.back()->daemon.Log();
+      ASSERT_TRUE(nodes_.back()->daemon.Start(flags)) << nodes_.back()->daemon.Log();
       nodes_.back()->address = nodes_.back()->daemon.address();
     }
   }

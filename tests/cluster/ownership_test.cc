@@ -2,6 +2,7 @@
 // no test measures time.
 #include <grpcpp/grpcpp.h>
 
+#include <fstream>
 #include <thread>
 
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
@@ -10,6 +11,8 @@
 #include "proto/codec/mesh_codec.h"
 #include "tests/cluster/cluster_fixture.h"
 #include "tests/e2e/killed_clients.h"
+#include "tests/e2e/run_dynmesh.h"
+#include "tests/server/metrics/http_get.h"
 
 namespace dynmesh::test {
 namespace {
@@ -165,6 +168,58 @@ TEST_F(OwnershipTest, AFreeMeshIsOpenedByOneNodeHoweverManyAsk) {
   ASSERT_TRUE(client->Apply("m", Point(2), Request("b")).ok());
 }
 
+TEST_F(OwnershipTest, CommandsGoToTheOwnerAndGoOnAtTheNextOne) {
+  StartNodes(2);
+  const std::string script = nodes_[0]->folder.path() + "/edits.dynmesh";
+  std::ofstream out(script);
+  out << "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\n";
+  for (int i = 1; i <= 300; ++i) {
+    out << "add point " << i << " " << 0.003 * i << " " << 0.1 + 0.003 * (i * 7 % 300)
+        << "\ncommit\n";
+  }
+  out.close();
+  const auto run = [](std::vector<std::string> arguments) {
+    return cli::RunDynmesh(std::move(arguments));
+  };
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  // The mesh moves while the script is applied, or before, or after.
+  std::thread mover([this] {
+    WaitUntil("some batches", [this] { return ConnectTo(0)->GetMesh("m")->revision > 20; });
+    EXPECT_EQ(nodes_[0]->daemon.End(SIGTERM), 0);
+  });
+  const cli::Ran applied = run({"apply", "m", script, "--server", AddressOf(1) + "," + AddressOf(0),
+                                "--request-prefix", "p", "--json"});
+  mover.join();
+  EXPECT_EQ(applied.code, 0) << applied.err;
+  const auto found = ConnectTo(1)->GetMesh("m");
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->revision, 300u);
+  EXPECT_EQ(OwnerOf("m"), AddressOf(1));
+  const cli::Ran again = run({"apply", "m", script, "--server", AddressOf(1), "--request-prefix",
+                              "p", "--quiet", "--json"});
+  EXPECT_NE(again.out.find("\"replayed\": 300"), std::string::npos) << again.out;
+}
+
+TEST_F(OwnershipTest, FiguresTellEpochsAndTheAgeOfLeases) {
+  StartNodes(1, {"--metrics", "127.0.0.1:0"});
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  const std::string log = nodes_[0]->daemon.Log();
+  const std::string mark = "event=metrics_listen address=";
+  const std::size_t at = log.find(mark);
+  ASSERT_NE(at, std::string::npos) << log;
+  const std::size_t begin = at + mark.size();
+  const std::string address = log.substr(begin, log.find_first_of(" \n", begin) - begin);
+  const std::string text =
+      server::SendHttp(address, "GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  for (const char* line :
+       {"\ndynmesh_mesh_epoch{mesh=\"m\"} 1\n",
+        "\ndynmesh_mesh_role{mesh=\"m\",role=\"owner\"} 1\n", "\ndynmesh_lease_seconds 3600\n",
+        "\ndynmesh_lease_age_seconds ", "\ndynmesh_journal_fenced_total 0\n",
+        "\ndynmesh_journal_unknown_total 0\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+  }
+}
+
 TEST_F(OwnershipTest, AFencedOwnersClientsGoToTheNewOwner) {
   StartNodes(2);
   ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
@@ -185,6 +240,30 @@ TEST_F(OwnershipTest, AFencedOwnersClientsGoToTheNewOwner) {
         return r.state() == client::MeshReplica::State::kLive && r.revision() == 3;
       },
       absl::Minutes(1)));
+}
+
+// A short lease. Its end is waited for, and not measured.
+class ReadLeaseTest : public ClusterTest {
+ protected:
+  ReadLeaseTest() : ClusterTest("0.5") {}
+};
+
+TEST_F(ReadLeaseTest, AnOwnerThatCannotRenewAnswersNoReadsUntilItCan) {
+  StartNodes(1);
+  client::ClientOptions options;
+  options.timeout = absl::Seconds(2);
+  const auto client = MeshClient::Connect(nodes_[0]->address, options);
+  ASSERT_TRUE(client->CreateMesh("m", MeshOptions()).ok());
+  ASSERT_TRUE(client->GetMesh("m").ok());
+  database_.Pause();
+  absl::Status refused;
+  WaitUntil("the end of reads", [&] {
+    refused = client->GetMesh("m").status();
+    return !refused.ok();
+  });
+  database_.Resume();
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kNotOwner) << refused;
+  WaitUntil("reads", [&] { return client->GetMesh("m").ok(); });
 }
 
 }  // namespace
