@@ -11,6 +11,15 @@ namespace dynmesh::client {
 namespace {
 
 constexpr char kRedirectsKey[] = "dynmesh-redirects";
+// A server that names ever new ones does not make the client grow.
+constexpr std::size_t kMostServers = 256;
+
+// HOST:PORT, and not a name of gRPC for something else, as of a socket in a folder.
+bool IsAddress(absl::string_view text) {
+  return !text.empty() && text.size() <= 300 && text[0] != ':' &&
+         std::all_of(text.begin(), text.end(),
+                     [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != ','; });
+}
 
 }  // namespace
 
@@ -69,11 +78,12 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
   const std::lock_guard lock(mutex_);
   if (reason == codec::reason::kNotOwner) {
     const auto owner = error->metadata.find("owner");
-    if (owner == error->metadata.end() || owner->second.empty()) return Next::kAfterPause;
-    routes_[mesh] = owner->second;
+    if (owner == error->metadata.end() || !IsAddress(owner->second)) return Next::kAfterPause;
     if (std::find(known_.begin(), known_.end(), owner->second) == known_.end()) {
+      if (known_.size() >= kMostServers) return Next::kAfterPause;
       known_.push_back(owner->second);
     }
+    routes_[mesh] = owner->second;
     return owner->second == asked.address ? Next::kAfterPause : Next::kAtOnce;
   }
   if (known_.size() == 1) return Next::kOver;

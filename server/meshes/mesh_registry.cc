@@ -74,7 +74,10 @@ std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
 }
 
 MeshRegistry::~MeshRegistry() {
-  opener_.reset();  // it loads into this
+  if (opener_ != nullptr) {
+    opener_.reset();                  // it loads into this
+    shared_->GiveUp().IgnoreError();  // what was claimed after a drain; else it runs out
+  }
   EndSweeps();
   CloseAll(absl::UnavailableError("the server has ended"));
 }
