@@ -77,8 +77,8 @@ void MeshOpener::Step(const std::string& id) {
     const std::lock_guard lock(mutex_);
     Opening& opening = openings_[id];
     lost = opening.lost;
-    claims = std::any_of(opening.waiters.begin(), opening.waiters.end(),
-                         [](const Waiter& w) { return !IsSentOn(w.asking); });
+    claims = opening.waited || std::any_of(opening.waiters.begin(), opening.waiters.end(),
+                                           [](const Waiter& w) { return !IsSentOn(w.asking); });
     if (opening.waiters.empty()) {
       openings_.erase(id);
       return;
@@ -90,7 +90,11 @@ void MeshOpener::Step(const std::string& id) {
     const std::lock_guard lock(mutex_);
     Opening& opening = openings_[id];
     if (found.again > Clock::duration::zero()) {
-      if (absl::IsAborted(found.answer.status())) ++opening.lost;
+      if (absl::IsAborted(found.answer.status())) {
+        ++opening.lost;
+      } else {
+        opening.waited = true;
+      }
       opening.running = false;
       opening.next = Clock::now() + found.again;
       changed_.notify_one();
@@ -128,26 +132,28 @@ MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, int lost)
 MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal::Place& place,
                                      bool claims) {
   const absl::Duration lease = journal_->lease();
-  if (!place.is_mine && place.left > absl::ZeroDuration()) {
-    // An owner that renews leaves about half of it (lease_keeper.h).
-    if (place.left > 0.4 * lease) {
-      return {NotOwnerError(id, {place.address, place.epoch}), /*only_followers=*/false};
-    }
-    const absl::Duration again = std::min(place.left + kPast, lease / 10);
-    return {HostPtr(), false, absl::ToChronoNanoseconds(again)};
+  const bool is_held = !place.is_mine && place.left > absl::ZeroDuration();
+  // An owner that renews leaves about half of it (lease_keeper.h).
+  if (is_held && place.left > 0.4 * lease) {
+    return {NotOwnerError(id, {place.address, place.epoch})};
   }
   if (!place.is_mine && !claims) {
-    const std::string chosen = Chosen(id);
+    const std::string chosen = Chosen(id, place.address);
     if (chosen != address_) {
       return {NotOwnerError(id, {chosen, place.epoch}), /*only_followers=*/true};
     }
   }
+  if (is_held) {
+    const absl::Duration again = std::min(place.left + kPast, lease / 10);
+    return {HostPtr(), false, absl::ToChronoNanoseconds(again)};
+  }
   return {load_(place.mesh)};
 }
 
-std::string MeshOpener::Chosen(const std::string& id) const {
-  const absl::StatusOr<std::vector<std::string>> nodes = journal_->LiveNodes();
+std::string MeshOpener::Chosen(const std::string& id, const std::string& owner) const {
+  absl::StatusOr<std::vector<std::string>> nodes = journal_->LiveNodes();
   if (!nodes.ok()) return address_;
+  if (owner != address_) std::erase(*nodes, owner);
   const auto chosen = ChooseNode(*nodes, id);
   return chosen.has_value() ? (*nodes)[*chosen] : address_;
 }

@@ -4,7 +4,8 @@
 // A mesh is looked up and loaded once at a time, however many calls wait for it, each until its
 // deadline. An owner that has missed a renewal is waited for: either it renews, or the mesh is
 // claimed when its lease ends. A free mesh is claimed by the node that placement chooses, so a call
-// that can go there is sent there; but not twice, as nodes may differ about which are live.
+// that can go there is sent there, if it has to wait, before it waits; but not more than twice, as
+// nodes may differ about which are live.
 //
 // The journal blocks, so the work has threads of its own. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_OPENER_H_
@@ -70,6 +71,7 @@ class MeshOpener {
     std::vector<Waiter> waiters;
     bool running = false;    // a step is queued or runs
     Clock::time_point next;  // of the next step, if none runs
+    bool waited = false;     // for the end of the lease: it is this node that claims
     int lost = 0;            // claims that another node was granted
   };
   // What a step has found.
@@ -82,8 +84,9 @@ class MeshOpener {
   void Step(const std::string& id);
   Found Look(const std::string& id, bool claims, int lost);
   Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims);
-  // Where a free mesh is to be opened; this node's address if that is not known.
-  std::string Chosen(const std::string& id) const;
+  // Where a mesh is to be opened that its last owner, at that address, does not have any more; this
+  // node's address if that is not known.
+  std::string Chosen(const std::string& id, const std::string& owner) const;
   // Takes the waiters out that `is_meant` is true for. Under mutex_.
   static std::vector<Waiter> Take(Opening& opening,
                                   const std::function<bool(const Waiter&)>& is_meant);
