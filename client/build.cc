@@ -34,7 +34,8 @@ class Builder {
  public:
   Builder(Stub& stub, const MeshOptions& options, const BuildParams& params, absl::Duration timeout)
       : params_(params),
-        stream_(stub.service->BuildMesh(Prepare(stub, timeout))),
+        server_(stub.Of("")),
+        stream_(server_->service->BuildMesh(Prepare(stub, timeout))),
         sender_(context_, *stream_, FirstMessage(options, params), options.dimension,
                 params.cancelled) {}
 
@@ -79,6 +80,7 @@ class Builder {
   }
 
   const BuildParams& params_;
+  const Stub::ServerPtr server_;
   grpc::ClientContext context_;
   const std::unique_ptr<Stream> stream_;
   FeatureSender<Request, Stream> sender_;

@@ -1,11 +1,10 @@
-// Shared by the parts of the client library: stub, names, statuses. Includes gRPC, which no public
-// header may do.
+// Shared by the parts of the client library: names, statuses, how its parts begin. Includes gRPC,
+// which no public header may do.
 #ifndef DYNMESH_CLIENT_CHANNEL_INTERNAL_H_
 #define DYNMESH_CLIENT_CHANNEL_INTERNAL_H_
 
 #include <grpcpp/grpcpp.h>
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "client/stub_internal.h"
 #include "dynmesh/client/build.h"
 #include "dynmesh/client/diff_stream.h"
 #include "dynmesh/client/edit_session.h"
@@ -23,24 +23,6 @@
 #include "proto/codec/mesh_codec.h"
 
 namespace dynmesh::client {
-
-// The service's stub, and the token that every call sends.
-struct Stub {
-  explicit Stub(const std::shared_ptr<grpc::Channel>& channel, const std::string& token)
-      : service(v1::MeshService::NewStub(channel)),
-        authorization(token.empty() ? "" : "Bearer " + token) {}
-
-  // To be called before the call begins.
-  void Prepare(grpc::ClientContext& context,
-               absl::Duration timeout = absl::InfiniteDuration()) const {
-    if (!authorization.empty()) context.AddMetadata("authorization", authorization);
-    if (timeout == absl::InfiniteDuration()) return;
-    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
-  }
-
-  const std::unique_ptr<v1::MeshService::Stub> service;
-  const std::string authorization;
-};
 
 // "plate" or "meshes/plate" as "meshes/plate". Checked by the server.
 inline std::string FullName(const std::string& mesh) {

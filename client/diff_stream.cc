@@ -96,7 +96,8 @@ class GrpcDiffStream final : public DiffStream {
       context_ = &context;
     }
     heard_ = false;
-    auto stream = stub_->service->Watch(&context, request);
+    const Stub::ServerPtr server = stub_->Of(mesh_);
+    auto stream = server->service->Watch(&context, request);
     codec::SnapshotAssembler snapshot;
     codec::DiffAssembler diff;
     absl::Status broken;
@@ -120,6 +121,7 @@ class GrpcDiffStream final : public DiffStream {
     }
     if (!broken.ok()) context.TryCancel();
     const absl::Status status = codec::FromGrpcStatus(stream->Finish());
+    stub_->Learn(mesh_, *server, status, /*repeatable=*/true);
     const std::lock_guard lock(mutex_);
     context_ = nullptr;
     return broken.ok() ? status : broken;

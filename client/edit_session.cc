@@ -15,8 +15,10 @@ class GrpcEditSession final : public EditSession {
   GrpcEditSession(std::shared_ptr<Stub> stub, std::string mesh, bool stop_on_error,
                   absl::Duration timeout)
       : stub_(std::move(stub)), mesh_(std::move(mesh)), stop_on_error_(stop_on_error) {
+    stub_->Resolve(FullName(mesh_), timeout);
+    server_ = stub_->Of(FullName(mesh_));
     stub_->Prepare(context_, timeout);
-    stream_ = stub_->service->EditStream(&context_);
+    stream_ = server_->service->EditStream(&context_);
   }
 
   ~GrpcEditSession() override {
@@ -55,7 +57,7 @@ class GrpcEditSession final : public EditSession {
     while (stream_->Read(&answer_)) {
       if (answer_.status().code() != 0) {
         results_.assembler.Reset();
-        return Answer{answer_.request_id(), codec::StatusFromProto(answer_.status())};
+        return Answer{answer_.request_id(), Learned(codec::StatusFromProto(answer_.status()))};
       }
       auto result = results_.Add(answer_);
       if (!result.ok()) return Answer{answer_.request_id(), result.status()};
@@ -66,12 +68,18 @@ class GrpcEditSession final : public EditSession {
 
   absl::Status Finish() override {
     finished_ = true;
-    return codec::FromGrpcStatus(stream_->Finish());
+    return Learned(codec::FromGrpcStatus(stream_->Finish()));
   }
 
   void Cancel() override { context_.TryCancel(); }
 
  private:
+  // The next session goes to the mesh's server.
+  absl::Status Learned(const absl::Status& status) const {
+    stub_->Learn(FullName(mesh_), *server_, status, /*repeatable=*/false);
+    return status;
+  }
+
   void BeginMessage(const EditParams& params) {
     if (!named_) {
       message_.set_mesh(FullName(mesh_));
@@ -89,6 +97,7 @@ class GrpcEditSession final : public EditSession {
   const std::shared_ptr<Stub> stub_;
   const std::string mesh_;
   const bool stop_on_error_;
+  Stub::ServerPtr server_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
   bool named_ = false;

@@ -28,8 +28,11 @@ v1::LoadFeaturesRequest FirstMessage(const std::string& mesh, const LoadParams& 
 class Loader {
  public:
   Loader(Stub& stub, const std::string& mesh, const LoadParams& params, absl::Duration timeout)
-      : params_(params),
-        stream_(stub.service->LoadFeatures(Prepare(stub, timeout))),
+      : stub_(stub),
+        mesh_(FullName(mesh)),
+        params_(params),
+        server_(stub.Of(mesh_)),
+        stream_(server_->service->LoadFeatures(Prepare(stub, timeout))),
         sender_(context_, *stream_, FirstMessage(mesh, params), params.dimension,
                 params.cancelled) {}
 
@@ -37,8 +40,10 @@ class Loader {
     std::thread receiver([this] { Receive(); });
     sender_.SendAll(source);
     receiver.join();
-    const grpc::Status status = stream_->Finish();
-    if (!status.ok()) return codec::FromGrpcStatus(status);
+    const absl::Status status = codec::FromGrpcStatus(stream_->Finish());
+    // The next load goes to the mesh's server.
+    stub_.Learn(mesh_, *server_, status, /*repeatable=*/false);
+    if (!status.ok()) return status;
     if (!result_.has_value()) return absl::DataLossError("the server sent no result");
     absl::StatusOr<MeshHash> hash = MeshHash::FromHex(result_->hash());
     if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
@@ -66,7 +71,10 @@ class Loader {
     }
   }
 
+  Stub& stub_;
+  const std::string mesh_;
   const LoadParams& params_;
+  const Stub::ServerPtr server_;
   grpc::ClientContext context_;
   const std::unique_ptr<Stream> stream_;
   FeatureSender<v1::LoadFeaturesRequest, Stream> sender_;
@@ -95,6 +103,7 @@ LoadProgress::Stage StageOf(Response::Stage stage) {
 absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
                                    const LoadParams& params, absl::Duration timeout) {
   if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
+  stub.Resolve(FullName(mesh), timeout);  // `source` cannot be read again
   return Loader(stub, mesh, params, timeout).Run(source);
 }
 

@@ -21,14 +21,15 @@ absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
   MeshInfo info;
   info.id = proto.name().substr(proto.name().find('/') + 1);
   info.damage = proto.damage();
+  info.owner = proto.owner();
+  info.create_time = absl::FromUnixSeconds(proto.create_time().seconds()) +
+                     absl::Nanoseconds(proto.create_time().nanos());
+  info.revision = proto.revision();
   if (!proto.has_options()) return info;
   info.read_only = !info.damage.empty();
   auto options = codec::DecodeOptions(proto.options(), std::numeric_limits<std::uint64_t>::max());
   if (!options.ok()) return options.status();
   info.options = *options;
-  info.create_time = absl::FromUnixSeconds(proto.create_time().seconds()) +
-                     absl::Nanoseconds(proto.create_time().nanos());
-  info.revision = proto.revision();
   auto hash = MeshHash::FromHex(proto.hash());
   if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
   info.hash = *hash;
@@ -101,14 +102,23 @@ struct MeshClient::Impl {
   std::shared_ptr<Stub> stub;
   absl::Duration timeout;
 
-  void Prepare(grpc::ClientContext& context) const { stub->Prepare(context, timeout); }
-
-  // A unary call: `method` of the stub.
+  // A unary call: `method` of the stub. `mesh`: its full name, or empty.
   template <typename Method, typename Request, typename Response>
-  absl::Status Call(Method method, const Request& request, Response* response) const {
-    grpc::ClientContext context;
-    Prepare(context);
-    return codec::FromGrpcStatus((stub->service.get()->*method)(&context, request, response));
+  absl::Status Call(const std::string& mesh, bool repeatable, Method method, const Request& request,
+                    Response* response) const {
+    return stub->Follow(
+        mesh, repeatable, timeout, [&](Stub::Service& service, grpc::ClientContext& context) {
+          return codec::FromGrpcStatus((service.*method)(&context, request, response));
+        });
+  }
+
+  // A call that streams the result of a batch.
+  template <typename Method, typename Request>
+  absl::StatusOr<EditResult> Edit(Method method, const Request& request, bool repeatable) const {
+    return stub->Follow(request.mesh(), repeatable, timeout,
+                        [&](Stub::Service& service, grpc::ClientContext& context) {
+                          return ReadResult(*(service.*method)(&context, request));
+                        });
   }
 
   absl::StatusOr<EditResult> ApplyInParts(const std::string& mesh, const EditBatch& edits,
@@ -133,13 +143,18 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
                                                 const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  // Another server may take the place of one whose machine or network is gone.
+  const bool is_one = address.find(',') == std::string::npos;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 15'000);
+  if (!is_one) {
+    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect
+  }
   // A restarting server returns soon; gRPC alone would retry only every two minutes eventually.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
-  impl->stub = std::make_shared<Stub>(
-      grpc::CreateCustomChannel(address, Credentials(options), arguments), options.token);
+  impl->stub = std::make_shared<Stub>(address, Credentials(options), arguments, options.token);
   impl->timeout = options.timeout;
   return std::unique_ptr<MeshClient>(new MeshClient(std::move(impl)));
 }
@@ -151,7 +166,11 @@ absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const Mes
   request.set_request_id(request_id);
   EncodeNewOptions(options, request.mutable_options());
   v1::Mesh response;
-  if (auto s = impl_->Call(&v1::MeshService::Stub::CreateMesh, request, &response); !s.ok())
+  // A retry of one without a name has to get to the server of the first.
+  const std::string name = id.empty() ? "request " + request_id : FullName(id);
+  if (auto s =
+          impl_->Call(name, !request_id.empty(), &Stub::Service::CreateMesh, request, &response);
+      !s.ok())
     return s;
   return DecodeMesh(response);
 }
@@ -160,7 +179,9 @@ absl::StatusOr<MeshInfo> MeshClient::GetMesh(const std::string& mesh) {
   v1::GetMeshRequest request;
   request.set_mesh(FullName(mesh));
   v1::Mesh response;
-  if (auto s = impl_->Call(&v1::MeshService::Stub::GetMesh, request, &response); !s.ok()) return s;
+  if (auto s = impl_->Call(request.mesh(), true, &Stub::Service::GetMesh, request, &response);
+      !s.ok())
+    return s;
   return DecodeMesh(response);
 }
 
@@ -170,7 +191,7 @@ absl::StatusOr<std::vector<MeshInfo>> MeshClient::ListMeshes() {
   request.set_page_size(kPageSize);
   do {
     v1::ListMeshesResponse response;
-    if (auto s = impl_->Call(&v1::MeshService::Stub::ListMeshes, request, &response); !s.ok())
+    if (auto s = impl_->Call("", true, &Stub::Service::ListMeshes, request, &response); !s.ok())
       return s;
     for (const v1::Mesh& proto : response.meshes()) {
       auto mesh = DecodeMesh(proto);
@@ -186,7 +207,7 @@ absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
   v1::DeleteMeshRequest request;
   request.set_mesh(FullName(mesh));
   v1::DeleteMeshResponse response;
-  return impl_->Call(&v1::MeshService::Stub::DeleteMesh, request, &response);
+  return impl_->Call(request.mesh(), false, &Stub::Service::DeleteMesh, request, &response);
 }
 
 absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
@@ -196,9 +217,8 @@ absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const Edit
   v1::ApplyEditsRequest request;
   EncodeParams(mesh, params, &request);
   for (const Edit& edit : edits) codec::EncodeEdit(edit, params.dimension, request.add_edits());
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  return ReadResult(*impl_->stub->service->ApplyEdits(&context, request));
+  return impl_->Edit(&Stub::Service::ApplyEdits, request,
+                     !params.request_id.empty() || params.validate_only);
 }
 
 absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
@@ -214,9 +234,8 @@ absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
   EncodeParams(mesh, params, &request);
   for (const Feature& f : features)
     codec::EncodeFeature(f, params.dimension, request.add_features());
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  return ReadResult(*impl_->stub->service->AddFeatures(&context, request));
+  return impl_->Edit(&Stub::Service::AddFeatures, request,
+                     !params.request_id.empty() || params.validate_only);
 }
 
 absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
@@ -230,9 +249,8 @@ absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
   v1::RemoveFeaturesRequest request;
   EncodeParams(mesh, params, &request);
   request.mutable_ids()->Add(ids.begin(), ids.end());
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  return ReadResult(*impl_->stub->service->RemoveFeatures(&context, request));
+  return impl_->Edit(&Stub::Service::RemoveFeatures, request,
+                     !params.request_id.empty() || params.validate_only);
 }
 
 absl::StatusOr<LoadResult> MeshClient::Load(const std::string& mesh, const FeatureSource& source,
@@ -254,11 +272,13 @@ absl::StatusOr<codec::FeaturesAt> MeshClient::GetFeatures(const std::string& mes
   v1::GetFeaturesRequest request;
   request.set_mesh(FullName(mesh));
   if (revision.has_value()) request.set_revision(*revision);
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  const auto reader = impl_->stub->service->GetFeatures(&context, request);
-  return ReadWhole<codec::FeaturesAt>(*reader, codec::FeaturesAssembler(info->options.dimension),
-                                      "the server sent not all features");
+  return impl_->stub->Follow(request.mesh(), true, impl_->timeout,
+                             [&](Stub::Service& service, grpc::ClientContext& context) {
+                               return ReadWhole<codec::FeaturesAt>(
+                                   *service.GetFeatures(&context, request),
+                                   codec::FeaturesAssembler(info->options.dimension),
+                                   "the server sent not all features");
+                             });
 }
 
 absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::uint64_t revision,
@@ -271,9 +291,7 @@ absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::ui
     request.set_expected_revision(*params.expected_revision);
   }
   request.set_omit_columns(params.omit_columns);
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  return ReadResult(*impl_->stub->service->RevertTo(&context, request));
+  return impl_->Edit(&Stub::Service::RevertTo, request, !params.request_id.empty());
 }
 
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
@@ -296,11 +314,12 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
   v1::GetSnapshotRequest request;
   request.set_mesh(FullName(mesh));
   request.mutable_regions()->Add(regions.begin(), regions.end());
-  grpc::ClientContext context;
-  impl_->Prepare(context);
-  const auto reader = impl_->stub->service->GetSnapshot(&context, request);
-  absl::StatusOr<Mesh> found =
-      ReadWhole<Mesh>(*reader, codec::SnapshotAssembler(), "the server sent no whole snapshot");
+  absl::StatusOr<Mesh> found = impl_->stub->Follow(
+      request.mesh(), true, impl_->timeout,
+      [&](Stub::Service& service, grpc::ClientContext& context) {
+        return ReadWhole<Mesh>(*service.GetSnapshot(&context, request), codec::SnapshotAssembler(),
+                               "the server sent no whole snapshot");
+      });
   // The rows must have the hash that came with them.
   if (found.ok() && ComputeHash(*found) != found->hash) {
     return absl::DataLossError("the snapshot's rows do not have its hash");
@@ -317,7 +336,9 @@ absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {
   v1::GetStatsRequest request;
   if (!mesh.empty()) request.set_mesh(FullName(mesh));
   v1::GetStatsResponse response;
-  if (auto s = impl_->Call(&v1::MeshService::Stub::GetStats, request, &response); !s.ok()) return s;
+  if (auto s = impl_->Call(request.mesh(), true, &Stub::Service::GetStats, request, &response);
+      !s.ok())
+    return s;
   ServerStatus status;
   status.version = response.server_version();
   status.uptime =
@@ -344,7 +365,9 @@ absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimensio
     request.set_mesh(FullName(mesh));
     request.mutable_coordinates()->Add(part.begin(), part.end());
     v1::LocatePointsResponse response;
-    if (auto s = impl_->Call(&v1::MeshService::Stub::LocatePoints, request, &response); !s.ok())
+    if (auto s =
+            impl_->Call(request.mesh(), true, &Stub::Service::LocatePoints, request, &response);
+        !s.ok())
       return s;
     if (begin > 0 && response.revision() != located.revision) {
       return absl::AbortedError("the mesh changed between two parts of the question: ask again");

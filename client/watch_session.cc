@@ -23,8 +23,9 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
       : follower_(std::move(follower)), request_(std::move(request)) {}
 
   void Start(Stub& stub) {
+    server_ = stub.Of(request_.mesh());
     stub.Prepare(context_);
-    stub.service->async()->Watch(&context_, &request_, this);
+    server_->service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
     StartCall();
   }
@@ -36,6 +37,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
  private:
   const std::shared_ptr<Follower> follower_;
   const v1::WatchRequest request_;
+  Stub::ServerPtr server_;
   grpc::ClientContext context_;
   v1::WatchEvent event_;
 };
@@ -78,6 +80,11 @@ class Follower : public std::enable_shared_from_this<Follower> {
   void StreamGoes() {
     const std::lock_guard lock(mutex_);
     stream_ = nullptr;
+  }
+
+  // The next stream goes to the mesh's server.
+  void Learn(const Stub::Server& asked, const absl::Status& status) {
+    stub_->Learn(FullName(mesh_), asked, status, /*repeatable=*/true);
   }
 
   void StreamEnded(const absl::Status& status) {
@@ -221,6 +228,7 @@ void Stream::OnReadDone(bool ok) {
 void Stream::OnDone(const grpc::Status& status) {
   const std::shared_ptr<Follower> follower = follower_;
   const absl::Status ended = codec::FromGrpcStatus(status);
+  follower->Learn(*server_, ended);
   // Delete the stream before reporting its end: the receiver may drop the channel, and gRPC must
   // not release the last reference to it in one of its own threads.
   follower->StreamGoes();

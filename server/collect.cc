@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <fstream>
 #include <optional>
@@ -40,7 +41,7 @@ double SecondsOf(clockid_t clock) {
 }
 
 // Boot time in seconds since 1970. Not from /proc/stat, which may be hidden from a service.
-double BootTime() { return SecondsOf(CLOCK_REALTIME) - SecondsOf(CLOCK_BOOTTIME); }
+double BootedAt() { return SecondsOf(CLOCK_REALTIME) - SecondsOf(CLOCK_BOOTTIME); }
 
 }  // namespace
 
@@ -114,6 +115,28 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
                 [](const BatchProgress& p) { return p.total; });
 }
 
+void WriteNode(const MeshRegistry& meshes, const LeaseKeeper& keeper, absl::Duration lease,
+               MetricsText& out) {
+  const std::chrono::duration<double> age = keeper.Age();
+  out.Single("dynmesh_lease_age_seconds", "gauge",
+             "Since the sending of the last renewal of this server's leases that succeeded.",
+             age.count());
+  out.Single("dynmesh_lease_seconds", "gauge",
+             "How long a lease is: an older one has ended, and another server may have the meshes.",
+             absl::ToDoubleSeconds(lease));
+  std::vector<std::pair<std::string, std::int64_t>> epochs;
+  for (const auto& host : meshes.Hosts()) {
+    if (const std::int64_t epoch = meshes.EpochOf(host->id()); epoch > 0) {
+      epochs.emplace_back(host->id(), epoch);
+    }
+  }
+  out.Begin("dynmesh_mesh_role", "gauge", "1, with what this server is for the mesh: owner.");
+  for (const auto& [id, epoch] : epochs) out.Sample({{"mesh", id}, {"role", "owner"}}, 1);
+  out.Begin("dynmesh_mesh_epoch", "gauge",
+            "The epoch in which this server has the mesh: how often a server claimed it.");
+  for (const auto& [id, epoch] : epochs) out.Sample({{"mesh", id}}, static_cast<double>(epoch));
+}
+
 void WriteJournal(const Journal& journal, MetricsText& out) {
   const Journal::Counts counts = journal.counts();
   out.Single("dynmesh_journal_syncs_total", "counter", "Transactions that are on the disk.",
@@ -124,6 +147,12 @@ void WriteJournal(const Journal& journal, MetricsText& out) {
   out.Single("dynmesh_journal_failing", "gauge",
              "1 if the last transaction could not be written: edits are refused.",
              counts.failing ? 1 : 0);
+  out.Single("dynmesh_journal_fenced_total", "counter",
+             "Writes of batches that were refused, as another server has claimed the mesh.",
+             static_cast<double>(counts.fenced));
+  out.Single("dynmesh_journal_unknown_total", "counter",
+             "Writes of batches whose outcome was not found out: the clients are to repeat them.",
+             static_cast<double>(counts.unknown));
   out.Single("dynmesh_journal_bytes", "gauge", "The journal's files.",
              static_cast<double>(journal.bytes()));
 }
@@ -154,7 +183,7 @@ void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
   // Computed once: constant even if clocks are adjusted.
-  static const double start = BootTime() + StatField(stat, 22) / ticks;
+  static const double start = BootedAt() + StatField(stat, 22) / ticks;
   out.Single("process_resident_memory_bytes", "gauge", "Memory of the process.",
              static_cast<double>(ResidentBytes()));
   out.Single("process_cpu_seconds_total", "counter", "Processor time, user's and system's.",

@@ -227,6 +227,16 @@ void AddFlags(CLI::App& app, Flags& f) {
                  "postgresql://[USER@]HOST[:PORT][,...]/DATABASE that keeps the meshes, instead of "
                  "--data-dir; the password belongs into the file of PGPASSFILE")
       ->type_name("ADDRESS");
+  app.add_option("--node-address", c.node_address,
+                 "HOST[:PORT] at which clients and other servers reach this one: it shares the "
+                 "meshes of --journal with them; default: it has all meshes")
+      ->type_name("ADDRESS");
+  app.add_option("--node-ca", c.node_ca,
+                 "PEM file: the authority that signed the other servers' certificates; with TLS, "
+                 "calls of clients that do not go there themselves are handed on only with it");
+  AddSeconds(app, "lease", c.lease, 0.1,
+             "seconds after which another server takes over the meshes of one that has ended; the "
+             "same at all servers of a journal");
   app.add_option(
          "--accept-loss", f.accept_loss,
          "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "

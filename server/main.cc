@@ -96,6 +96,7 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
     dynmesh::server::PostgresOptions options;
     options.remembered_requests = flags.config.remembered_requests;
     options.history_bytes = flags.config.journal_history_bytes;
+    if (!flags.config.node_address.empty()) options.lease = flags.config.lease;
     return dynmesh::server::OpenPostgresJournal(flags.journal, options);
   }
   using dynmesh::server::SqliteJournal;
@@ -108,6 +109,10 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
 }
 
 absl::Status CheckOneJournal(const Flags& flags) {
+  if (flags.journal.empty() && !flags.config.node_address.empty()) {
+    return absl::InvalidArgumentError(
+        "node-address: servers share the meshes of a database: give --journal postgresql://...");
+  }
   if (flags.journal.empty() || (flags.data_dir.empty() && flags.accept_loss.empty())) {
     return absl::OkStatus();
   }

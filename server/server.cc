@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -26,6 +28,7 @@
 #include "server/calls/admission.h"
 #include "server/calls/mesh_service.h"
 #include "server/calls/unknown_methods.h"
+#include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
 #include "server/metrics/call_observer.h"
 #include "server/metrics/metrics_http.h"
@@ -71,6 +74,26 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
 }
 
+// For calls that are handed on; null: none is. The files are read once.
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> NeighbourCredentials(
+    const ServerConfig& config) {
+  if (config.node_address.empty()) return nullptr;
+  if (!config.tls.enabled()) return grpc::InsecureChannelCredentials();
+  if (config.node_ca.empty()) return nullptr;
+  grpc::SslCredentialsOptions options;
+  for (const auto& [path, text] : {std::pair{&config.node_ca, &options.pem_root_certs},
+                                   std::pair{&config.tls.key, &options.pem_private_key},
+                                   std::pair{&config.tls.certificate, &options.pem_cert_chain}}) {
+    std::ifstream in(*path, std::ios::binary);
+    text->assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    if (!in.good() || text->empty()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("node-ca: ", *path, " cannot be read, or is empty"));
+    }
+  }
+  return grpc::SslCredentials(options);
+}
+
 // Calls a function every kTick until destroyed.
 class Ticker {
  public:
@@ -99,7 +122,8 @@ class Ticker {
 
 struct Server::Impl {
   Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j,
-       std::unique_ptr<Access> a, MeshBuilder builder)
+       std::unique_ptr<Access> a, MeshBuilder builder,
+       std::shared_ptr<grpc::ChannelCredentials> neighbours)
       : config(c),
         journal(std::move(j)),
         access(std::move(a)),
@@ -112,7 +136,7 @@ struct Server::Impl {
         calls(metrics.registry),
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now(),
                 &builds),
-        service(&context) {}
+        service(&context, std::move(neighbours)) {}
 
   // A Listen that fails has opened the port already.
   ~Impl() {
@@ -168,11 +192,42 @@ struct Server::Impl {
       return absl::OkStatus();
     }
     const absl::Time start = absl::Now();
+    if (!config.node_address.empty()) return Join();
     if (absl::Status status = registry.Recover(); !status.ok()) return status;
     Log(LogLevel::kInfo, "journal_open",
         {{"journal", journal->name()},
          {"meshes", registry.size()},
          {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+    return absl::OkStatus();
+  }
+
+  // HOST:PORT for other nodes.
+  std::string NodeAddress() const {
+    const std::string& given = config.node_address;
+    const std::size_t colon = given.rfind(':');
+    const bool has_port = colon != std::string::npos && given.find(']', colon) == std::string::npos;
+    if (!has_port) return absl::StrCat(given, ":", port);
+    if (given.substr(colon + 1) == "0") return absl::StrCat(given.substr(0, colon + 1), port);
+    return given;
+  }
+
+  // Meshes of other nodes stay there, and those that are free are opened while calls are answered.
+  absl::Status Join() {
+    const std::string address = NodeAddress();
+    const auto may_answer = [this] {
+      const LeaseKeeper* const now = joined;
+      return now != nullptr && now->MayAnswerReads();
+    };
+    if (absl::Status status = registry.Join(address, may_answer); !status.ok()) return status;
+    keeper = std::make_unique<LeaseKeeper>(
+        absl::ToChronoNanoseconds(journal->shared()->lease()),
+        LeaseKeeper::Calls{[this] { return registry.Renew(); },
+                           [this] { return journal->shared()->GiveUp(); }});
+    joined = keeper.get();
+    Log(LogLevel::kInfo, "node_joined",
+        {{"journal", journal->name()},
+         {"address", address},
+         {"lease", absl::FormatDuration(config.lease)}});
     return absl::OkStatus();
   }
 
@@ -214,6 +269,9 @@ struct Server::Impl {
     metrics.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(registry, out);
       if (journal != nullptr) WriteJournal(*journal, out);
+      if (const LeaseKeeper* const now = joined; now != nullptr) {
+        WriteNode(registry, *now, config.lease, out);
+      }
       WriteLimits(memory, config.tls, out);
       WriteStreams(context.client_streams, out);
       WriteProcess(out);
@@ -246,6 +304,8 @@ struct Server::Impl {
   WorkerPool answers;  // not shared with readers: their tasks may take O(mesh)
   BuildPool builds;
   MeshRegistry registry;
+  std::unique_ptr<LeaseKeeper> keeper;  // null: the journal's meshes are this server's alone
+  std::atomic<const LeaseKeeper*> joined{nullptr};  // the same, for all threads
   CallMetrics calls;
   ServiceContext context;
   MeshServiceImpl service;
@@ -280,8 +340,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   absl::StatusOr<std::unique_ptr<Access>> access =
       Access::Create(config.tokens_file, config.max_requests_per_second);
   if (!access.ok()) return access.status();
-  auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal),
-                                     *std::move(access), std::move(builder));
+  auto neighbours = NeighbourCredentials(config);
+  if (!neighbours.ok()) return neighbours.status();
+  auto impl =
+      std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access),
+                             std::move(builder), *std::move(neighbours));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   impl->credentials = std::move(credentials);
   impl->tls = std::move(tls);
@@ -336,7 +399,10 @@ bool Server::Drain(absl::Duration limit) {
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();
   impl_->registry.EndSweeps();
+  impl_->registry.CloseOpening(DrainingError());
   impl_->writers.Stop();
+  // After the last append: another server may take the meshes over at once.
+  if (impl_->keeper != nullptr) impl_->keeper->Stop();
   impl_->readers.Stop();
   impl_->answers.Stop();
   impl_->builds.Stop();

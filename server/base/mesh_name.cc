@@ -15,11 +15,19 @@ constexpr std::size_t kMaxIdLength = 63;
 // An operator has to free disk space first.
 constexpr absl::Duration kRetryJournal = absl::Seconds(1);
 
-absl::Status RetryError(const char* reason, absl::string_view id, absl::string_view what) {
+// Another server answers, or will soon.
+constexpr absl::Duration kRetryOwner = absl::Milliseconds(100);
+
+absl::Status RetryError(const char* reason, absl::string_view id, absl::string_view what,
+                        absl::Duration after, const MeshOwner& owner = {}) {
   codec::ServiceError error;
   error.reason = reason;
   error.metadata["mesh"] = MeshName(id);
-  error.retry_after = kRetryJournal;
+  if (!owner.address.empty()) {
+    error.metadata["owner"] = owner.address;
+    error.metadata["epoch"] = absl::StrCat(owner.epoch);
+  }
+  error.retry_after = after;
   return codec::MakeServiceError(absl::StatusCode::kUnavailable,
                                  absl::StrCat(MeshName(id), " ", what), error);
 }
@@ -77,9 +85,20 @@ absl::Status NoHistoryError(absl::string_view id) {
                    "has no history, since the server keeps no journal: start it with --data-dir");
 }
 
-absl::Status NotOwnerError(absl::string_view id) {
+absl::Status NotOwnerError(absl::string_view id, const MeshOwner& owner) {
   return RetryError(codec::reason::kNotOwner, id,
-                    "is another server's: nothing was changed here. Try again there");
+                    owner.address.empty()
+                        ? "is another server's: nothing was changed here. Try again there"
+                        : absl::StrCat("is the server's at ", owner.address,
+                                       ": nothing was changed here. Try again there"),
+                    kRetryOwner, owner);
+}
+
+absl::Status UnconfirmedError(absl::string_view id) {
+  return RetryError(codec::reason::kNotOwner, id,
+                    "may be another server's by now, as the database has not answered in time: "
+                    "try again",
+                    kRetryOwner);
 }
 
 absl::Status JournalError(const absl::Status& status, absl::string_view id) {
@@ -88,7 +107,8 @@ absl::Status JournalError(const absl::Status& status, absl::string_view id) {
   if (absl::IsUnknown(status)) {
     return RetryError(codec::reason::kOutcomeUnknown, id,
                       absl::StrCat("may have been changed, or not: ", status.message(),
-                                   "; repeat the call with the same request_id"));
+                                   "; repeat the call with the same request_id"),
+                      kRetryJournal);
   }
   const bool may_pass = absl::IsUnavailable(status);
   codec::ServiceError error;
@@ -100,8 +120,8 @@ absl::Status JournalError(const absl::Status& status, absl::string_view id) {
       absl::StrCat(
           MeshName(id),
           ": nothing was changed, since it could not be written to the journal: ", status.message(),
-          may_pass ? "; see to the server's disk and try again"
-                   : "; restore the server's data folder"),
+          may_pass ? "; see to the server's disk or database and try again"
+                   : "; restore the server's data folder or database"),
       error);
 }
 

@@ -29,8 +29,16 @@ absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_v
 absl::Status MeshDeletedError(absl::string_view id);
 // FAILED_PRECONDITION (NO_HISTORY).
 absl::Status NoHistoryError(absl::string_view id);
-// UNAVAILABLE (NOT_OWNER, with RetryInfo): another server has the mesh.
-absl::Status NotOwnerError(absl::string_view id);
+// The server that has a mesh.
+struct MeshOwner {
+  std::string address;  // empty: not known
+  std::int64_t epoch = 0;
+};
+// UNAVAILABLE (NOT_OWNER, with RetryInfo): another server has the mesh. If its address is known,
+// the metadata have `owner` and `epoch`.
+absl::Status NotOwnerError(absl::string_view id, const MeshOwner& owner = {});
+// The same reason: this server may have the mesh, but has not confirmed it in time for a read.
+absl::Status UnconfirmedError(absl::string_view id);
 // Translates an error of the mesh's journal for clients: NOT_FOUND (MESH_DELETED), UNAVAILABLE
 // (JOURNAL_FAILED, with RetryInfo) if it may be temporary, NotOwnerError for ABORTED, UNAVAILABLE
 // (OUTCOME_UNKNOWN, with RetryInfo) for UNKNOWN, else DATA_LOSS (JOURNAL_FAILED).

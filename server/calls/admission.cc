@@ -97,10 +97,16 @@ absl::Status HeldEdits::Take(ServiceContext& context, std::size_t count) {
   return absl::OkStatus();
 }
 
+absl::Status CheckRefusal(const MeshRegistry& meshes, const MeshHost& host, absl::Status refused) {
+  // What UNAVAILABLE says of the outcome is true of any state.
+  if (refused.ok() || absl::IsUnavailable(refused)) return refused;
+  absl::Status read = meshes.CheckRead(host.id());
+  return read.ok() ? refused : read;
+}
+
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
-                                      const std::string& mesh, std::function<void()> cancel) {
-  if (absl::Status s = pass.Check(Role::kEdit, mesh); !s.ok()) return s;
-  absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
+                                      absl::StatusOr<MeshRegistry::HostPtr> host,
+                                      std::function<void()> cancel) {
   if (!host.ok()) return host.status();
   absl::StatusOr<StreamPlace> place =
       TakeStream(context, context.edit_streams, "edit streams", pass);

@@ -104,15 +104,21 @@ class HeldEdits {
   std::vector<Lease> leases_;
 };
 
-// The mesh of an edit stream, the stream's right to edit it (`cancel` is called when it is lost),
-// and its place among the edit streams. Without the right no place is taken.
+// `refused`, the error of a batch; or NOT_OWNER if it was judged by a state of the mesh that may
+// not be the present one.
+absl::Status CheckRefusal(const MeshRegistry& meshes, const MeshHost& host, absl::Status refused);
+
+// The mesh of an edit stream, the stream's right to edit it, and its place among the edit streams.
 struct EditTarget {
   MeshRegistry::HostPtr host;
   Access::Stream allowed;
   StreamPlace place;
 };
+// `host` as the registry opened it, for a caller with the right; `cancel` is called when the right
+// is lost.
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
-                                      const std::string& mesh, std::function<void()> cancel);
+                                      absl::StatusOr<MeshRegistry::HostPtr> host,
+                                      std::function<void()> cancel);
 
 absl::Status CheckRequestId(absl::string_view request_id);
 

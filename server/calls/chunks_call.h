@@ -6,20 +6,21 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "proto/codec/grpc_status.h"
 #include "server/calls/admission.h"
+#include "server/calls/asking.h"
 #include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 
-// `Call` derives from this. Its Begin(context, request) either returns an error or ensures that
-// Stream or Fail is called once, on any thread. A call frees itself.
+// `Call` derives from this. Its Begin(context, request, host) either returns an error or ensures
+// that Stream or Fail is called once, on any thread. A call frees itself.
 template <class Call, class Chunk, class Fragmenter>
 class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
  public:
@@ -33,9 +34,19 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     absl::Status status = pass.status();
     if (status.ok()) {
       call->pass_ = *pass;
-      status = call->Begin(context, request);
+      status = call->Enter();
     }
-    if (!status.ok()) call->Fail(status);
+    if (!status.ok()) {
+      call->Fail(status);
+      return call.get();
+    }
+    // The request lives until the call is finished.
+    context.registry->Open(request.mesh(), AskingOf(*rpc),
+                           [call, &context, &request](absl::StatusOr<MeshRegistry::HostPtr> host) {
+                             absl::Status begun = call->Take(host);
+                             if (begun.ok()) begun = call->Begin(context, request, *host);
+                             if (!begun.ok()) call->Fail(begun);
+                           });
     return call.get();
   }
 
@@ -48,8 +59,13 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     }
   }
   void OnCancel() override {
-    cancelled_->store(true, std::memory_order_relaxed);
-    if (host_ != nullptr) host_->Withdraw(cancelled_);
+    cancelled_->store(true);
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
   void OnDone() override {
     sender_.Leave();
@@ -57,20 +73,6 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   }
 
  protected:
-  // Checks of all such calls: the mesh must exist, and the number of concurrent states is limited.
-  absl::StatusOr<MeshRegistry::HostPtr> Enter(ServiceContext& context, const std::string& mesh) {
-    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
-    if (!ticket.ok()) return ticket.status();
-    ticket_ = *std::move(ticket);
-    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
-    if (!host.ok()) return host.status();
-    absl::StatusOr<StreamPlace> place =
-        TakeStream(context, context.snapshot_streams, "concurrent snapshots", pass_);
-    if (!place.ok()) return place.status();
-    place_ = *std::move(place);
-    host_ = *host;
-    return host;
-  }
   template <class... Arguments>
   void Stream(Arguments&&... arguments) {
     fragmenter_.emplace(std::forward<Arguments>(arguments)...);
@@ -81,7 +83,29 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   const std::shared_ptr<Call>& self() const { return self_; }
   std::shared_ptr<const std::atomic<bool>> cancelled() const { return cancelled_; }
 
+  // A state of the mesh was read that is to be the present one.
+  absl::Status CheckRead(const MeshHost& host) const {
+    return context_->registry->CheckRead(host.id());
+  }
+
  private:
+  absl::Status Enter() {
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(*context_);
+    if (!ticket.ok()) return ticket.status();
+    ticket_ = *std::move(ticket);
+    return absl::OkStatus();
+  }
+  // The number of concurrent states is limited.
+  absl::Status Take(const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+    if (!host.ok()) return host.status();
+    absl::StatusOr<StreamPlace> place =
+        TakeStream(*context_, context_->snapshot_streams, "concurrent snapshots", pass_);
+    if (!place.ok()) return place.status();
+    place_ = *std::move(place);
+    const std::lock_guard lock(mutex_);
+    host_ = *host;
+    return absl::OkStatus();
+  }
   void Send() {
     fragmenter_->Next(&chunk_);
     sender_.Begin();
@@ -99,7 +123,8 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   Pass pass_;
   WorkGate::Ticket ticket_;
   StreamPlace place_;
-  MeshRegistry::HostPtr host_;  // set before OnCancel can be called
+  std::mutex mutex_;
+  MeshRegistry::HostPtr host_;  // written under mutex_
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;
 };

@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/base/call_id.h"
+#include "server/calls/asking.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/meshes/revert_plan.h"
@@ -45,8 +47,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     }
   }
   void OnCancel() override {
-    cancelled_->store(true, std::memory_order_relaxed);
-    if (host_ != nullptr) host_->Withdraw(cancelled_);
+    cancelled_->store(true);
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
   void OnDone() override {
     sender_.Leave();
@@ -62,10 +69,28 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (!ticket.ok()) return ticket.status();
     ticket_ = *std::move(ticket);
-    absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, request);
+    if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
+    // The request lives until the call is finished.
+    context_.registry->Open(request.mesh(), AskingOf(*rpc_),
+                            [call = self_, &request](absl::StatusOr<MeshRegistry::HostPtr> host) {
+                              const absl::Status status =
+                                  host.ok() ? call->Submit(request, *std::move(host))
+                                            : host.status();
+                              // After a submission the call may be answered and gone.
+                              if (!status.ok()) call->Fail(status);
+                            });
+    return absl::OkStatus();
+  }
+
+  template <typename Request>
+  absl::Status Submit(const Request& request, MeshRegistry::HostPtr host) {
+    {
+      const std::lock_guard lock(mutex_);
+      host_ = host;
+    }
+    absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, std::move(host), request);
     if (!taken.ok()) return taken.status();
     taken->job.call_id = CallIdOf(*rpc_);
-    host_ = taken->host;
     omit_columns_ = request.omit_columns();
     return HandIn(request, *std::move(taken));
   }
@@ -110,7 +135,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     lease_.Release();
     snapshot_lease_.Release();
-    if (!outcome.ok()) return Fail(outcome.status());
+    if (!outcome.ok()) return Fail(CheckRefusal(*context_.registry, *host_, outcome.status()));
     answered_ = MetricsClock::now();
     LimitSends(context_, rpc_, sender_);
     replayed_ = outcome->replayed;
@@ -140,7 +165,8 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
-  MeshRegistry::HostPtr host_;  // set before OnCancel can be called
+  std::mutex mutex_;
+  MeshRegistry::HostPtr host_;  // written under mutex_
   Lease lease_;
   Lease snapshot_lease_;
   bool omit_columns_ = false;

@@ -13,6 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/log.h"
+#include "server/calls/asking.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 
@@ -60,8 +61,14 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   void OnReadDone(bool ok) override {
     SetWaitsNot();
+    // The message belongs to this thread, and to that which opens the mesh, until reading_ is
+    // false.
+    if (ok && received_.is_parsed && host_ == nullptr && MayOpen()) return OpenMesh();
+    Handle(ok);
+  }
+
+  void Handle(bool ok) {
     if (ok) {
-      // The message belongs to this thread until reading_ is false.
       absl::Status status = received_.is_parsed ? Receive() : NotParsed(request_);
       if (!status.ok()) End(status);
     } else if (partial_.has_value()) {
@@ -143,7 +150,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   absl::Status Receive() {
     if (ended()) return absl::OkStatus();
     if (host_ == nullptr) {
-      if (absl::Status status = OpenMesh(); !status.ok()) return status;
+      if (absl::Status status = TakeMesh(); !status.ok()) return status;
       mesh_name_ = request_.mesh();
       stop_on_error_ = request_.stop_on_error();
       Log(LogLevel::kDebug, "edits_opened", {{"mesh", host_->id()}, {"call", call_id_}});
@@ -157,9 +164,33 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     return absl::OkStatus();
   }
 
-  absl::Status OpenMesh() {
+  // False if the stream has ended. Until the mesh is found or refused it does not finish.
+  bool MayOpen() {
+    const std::lock_guard lock(mutex_);
+    opening_ = !ended_;
+    return opening_;
+  }
+
+  void OpenMesh() {
+    const auto found = [call = self_](absl::StatusOr<MeshRegistry::HostPtr> host) {
+      call->found_ = std::move(host);
+      call->Handle(true);
+      bool finish = false;
+      {
+        const std::lock_guard lock(call->mutex_);
+        call->opening_ = false;
+        finish = call->FinishLocked();
+      }
+      call->Continue(false, false, finish);
+    };
+    const absl::Status allowed = pass_.Check(Role::kEdit, request_.mesh());
+    if (!allowed.ok()) return found(allowed);
+    context_.registry->Open(request_.mesh(), AskingOf(*rpc_), found);
+  }
+
+  absl::Status TakeMesh() {
     absl::StatusOr<EditTarget> target =
-        OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
+        OpenToEdit(context_, pass_, std::move(found_), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);
@@ -198,7 +229,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       held->Release();
       Answer answer;
       answer.request_id = request_id;
-      answer.status = outcome.status();
+      answer.status = CheckRefusal(*call->context_.registry, *call->host_, outcome.status());
       answer.ticket = ticket;
       if (outcome.ok()) {
         answer.replayed = outcome->replayed;
@@ -323,7 +354,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   // True once: the caller then has to call Finish.
   bool FinishLocked() {
-    if (!ended_ || finished_ || in_flight_ > 0 || writing_) return false;
+    if (!ended_ || finished_ || opening_ || in_flight_ > 0 || writing_) return false;
     finished_ = true;
     return true;
   }
@@ -352,6 +383,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   // Used by the reader.
   Received<v1::EditBatch> received_;
   v1::EditBatch& request_ = received_.message;
+  absl::StatusOr<MeshRegistry::HostPtr> found_ = MeshRegistry::HostPtr();
   MeshRegistry::HostPtr host_;  // written under mutex_
   std::string mesh_name_;
   bool stop_on_error_ = false;
@@ -371,7 +403,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   bool stopped_ = false;  // a refused batch ended the stream
   bool broken_ = false;   // a write failed: the client is gone
   bool finished_ = false;
-  int in_flight_ = 0;  // submitted batches that are not fully answered
+  bool opening_ = false;  // the mesh is being found
+  int in_flight_ = 0;     // submitted batches that are not fully answered
   absl::Status final_status_;
   std::deque<Answer> answers_;
   std::optional<Answer> current_;  // the answer being written

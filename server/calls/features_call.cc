@@ -12,17 +12,18 @@ namespace {
 class FeaturesCall final
     : public ChunksCall<FeaturesCall, v1::FeaturesChunk, codec::FeaturesFragmenter> {
  public:
-  absl::Status Begin(ServiceContext& context, const v1::GetFeaturesRequest& request) {
-    absl::StatusOr<MeshRegistry::HostPtr> host = Enter(context, request.mesh());
-    if (!host.ok()) return host.status();
+  absl::Status Begin(ServiceContext&, const v1::GetFeaturesRequest& request,
+                     const MeshRegistry::HostPtr& host) {
     std::optional<std::uint64_t> revision;
     if (request.has_revision()) revision = request.revision();
-    const int dimension = (*host)->mesh_options().dimension;
-    return (*host)->Features(revision, cancelled(),
-                             [call = self(), dimension](absl::StatusOr<codec::FeaturesAt> found) {
-                               if (!found.ok()) return call->Fail(found.status());
-                               call->Stream(*std::move(found), dimension);
-                             });
+    const int dimension = host->mesh_options().dimension;
+    return host->Features(
+        revision, cancelled(),
+        [call = self(), dimension, host](absl::StatusOr<codec::FeaturesAt> found) {
+          if (!found.ok()) return call->Fail(found.status());
+          if (absl::Status s = call->CheckRead(*host); !s.ok()) return call->Fail(s);
+          call->Stream(*std::move(found), dimension);
+        });
   }
 };
 

@@ -22,8 +22,7 @@ using Response = v1::LoadFeaturesResponse;
 
 class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse> {
  public:
-  LoadCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
-      : PartsCall(context), rpc_(rpc) {
+  LoadCall(ServiceContext& context, grpc::CallbackServerContext* rpc) : PartsCall(context) {
     job_.call_id = CallIdOf(*rpc);
     job_.source = EditSource::kLoad;
     job_.cancelled = cancelled_;
@@ -61,6 +60,8 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   }
   Response* ProgressIn(Response* message) override { return message; }
 
+  const std::string* MeshToOpen() override { return &request().mesh(); }
+
   absl::Status Receive() override {
     if (host_ == nullptr) {
       if (absl::Status s = Open(); !s.ok()) return s;
@@ -83,7 +84,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   absl::Status Open() {
     if (absl::Status s = CheckRequestId(request().request_id()); !s.ok()) return s;
     absl::StatusOr<EditTarget> target =
-        OpenToEdit(context_, pass_, request().mesh(), [rpc = rpc_] { rpc->TryCancel(); });
+        OpenToEdit(context_, pass_, std::move(found_), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);
@@ -113,10 +114,11 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   // On the strand.
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     held_.Release();
+    const absl::Status status = CheckRefusal(*context_.registry, *host_, outcome.status());
     bool finish = false;
     {
       const std::lock_guard lock(mutex_);
-      EndLocked(outcome.status());
+      EndLocked(status);
       if (outcome.ok()) EncodeResultLocked(*outcome);
       finish = FinishLocked();
     }
@@ -141,7 +143,6 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     }
   }
 
-  grpc::CallbackServerContext* const rpc_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 
   // Used by the reader, then by the strand.

@@ -21,11 +21,13 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/peer.h"
+#include "server/calls/asking.h"
 #include "server/calls/build_call.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
+#include "server/calls/locate_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/calls/snapshot_call.h"
@@ -45,6 +47,26 @@ void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   out->set_revision(head.revision);
   out->set_hash(head.hash.ToHex());
   if (!host.read_only().ok()) out->set_damage(std::string(host.read_only().message()));
+}
+
+// The first `count` of the meshes, and the next page's token if there are more.
+void EncodeList(const std::vector<MeshRegistry::Listed>& meshes, std::size_t count,
+                v1::ListMeshesResponse* out) {
+  for (std::size_t i = 0; i < std::min(meshes.size(), count); ++i) {
+    const MeshRegistry::Listed& listed = meshes[i];
+    v1::Mesh* const mesh = out->add_meshes();
+    if (listed.host != nullptr) {
+      EncodeMesh(*listed.host, mesh);
+      continue;
+    }
+    mesh->set_name(MeshName(listed.id));
+    mesh->set_damage(std::string(listed.damage.message()));
+    if (listed.owner.empty()) continue;
+    mesh->set_owner(listed.owner);
+    mesh->set_revision(listed.revision);
+    codec::EncodeTime(listed.create_time, mesh->mutable_create_time());
+  }
+  if (meshes.size() > count) out->set_next_page_token(meshes[count - 1].id);
 }
 
 void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
@@ -84,44 +106,6 @@ class CreateReactor final : public grpc::ServerUnaryReactor {
   std::atomic<bool> cancelled_{false};
 };
 
-// Waits for its turn among the edits, unless it is cancelled. Frees itself.
-class LocateCall final : public grpc::ServerUnaryReactor {
- public:
-  LocateCall(MeshRegistry::HostPtr host, WorkGate::Ticket ticket,
-             v1::LocatePointsResponse* response)
-      : host_(std::move(host)), ticket_(std::move(ticket)), response_(response) {}
-
-  void Start(std::vector<double> points) {
-    const absl::Status status =
-        host_->Locate(std::move(points), cancelled_,
-                      [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
-    if (!status.ok()) Finish(codec::ToGrpcStatus(status));
-  }
-  // gRPC calls it after Start has returned.
-  void OnCancel() override {
-    cancelled_->store(true, std::memory_order_relaxed);
-    host_->Withdraw(cancelled_);
-  }
-  void OnDone() override { delete this; }
-
- private:
-  void Answer(const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
-    if (answer.ok()) {
-      response_->set_revision(answer->revision);
-      response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
-                                                                answer->simplices.end());
-      response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
-    }
-    ticket_.reset();
-    Finish(codec::ToGrpcStatus(answer.status()));
-  }
-
-  const MeshRegistry::HostPtr host_;
-  WorkGate::Ticket ticket_;
-  v1::LocatePointsResponse* const response_;  // valid until the call is finished
-  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
-};
-
 // The caller's identity. Valid as long as `call` and `peer`.
 Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
   Caller caller;
@@ -158,7 +142,9 @@ const google::protobuf::ServiceDescriptor& Descriptor() {
 
 }  // namespace
 
-MeshServiceImpl::MeshServiceImpl(ServiceContext* context) : context_(*context) {
+MeshServiceImpl::MeshServiceImpl(ServiceContext* context,
+                                 std::shared_ptr<grpc::ChannelCredentials> neighbours)
+    : context_(*context), forwarder_(std::move(neighbours)) {
   const google::protobuf::ServiceDescriptor& service = Descriptor();
   for (int i = 0; i < service.method_count(); ++i) {
     const google::protobuf::MethodDescriptor& method = *service.method(i);
@@ -259,6 +245,7 @@ absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* c
 void MeshServiceImpl::BeginDrain() {
   context_.gate.Close();
   streams_.EndAll(DrainingError());
+  context_.registry->CloseOpening(DrainingError());
   context_.registry->CloseWatches(DrainingError());
 }
 
@@ -295,13 +282,19 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
   context_.writers->Post(
-      [this, reactor, request, response, options = *options, held = *ticket,
+      [this, reactor, call, request, response, options = *options, held = *ticket,
+       asking = AskingOf(*call),
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
         const auto host = context_.registry->Create(
             request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
-        if (host.ok()) EncodeMesh(**host, response);
+        const auto answer = [this, reactor, call, request,
+                             response](const absl::StatusOr<MeshRegistry::HostPtr>& made) {
+          if (made.ok()) EncodeMesh(**made, response);
+          forwarder_.End(made.status(), call, &Forwarder::Async::CreateMesh, request, response,
+                         [reactor](const grpc::Status& end) { reactor->Finish(end); });
+        };
         held.reset();
-        reactor->Finish(codec::ToGrpcStatus(host.status()));
+        context_.registry->FindMade(host, options, request->request_id(), asking, answer);
       });
   return reactor;
 }
@@ -311,9 +304,17 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* 
                                                    v1::Mesh* response) {
   const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
   if (!pass.ok()) return Finished(call, pass.status());
-  const auto host = context_.registry->Find(request->mesh());
-  if (host.ok()) EncodeMesh(**host, response);
-  return Finished(call, host.status());
+  auto* reactor = call->DefaultReactor();
+  context_.registry->Open(
+      request->mesh(), AskingOf(*call),
+      [this, reactor, call, request, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+        if (host.ok()) EncodeMesh(**host, response);
+        const absl::Status status =
+            host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
+        forwarder_.End(status, call, &Forwarder::Async::GetMesh, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
+      });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContext* call,
@@ -331,25 +332,24 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   const int size =
       request->page_size() == 0 ? kDefaultPageSize : std::min(request->page_size(), kMaxPageSize);
   const auto count = static_cast<std::size_t>(size);
-  const auto meshes = context_.registry->List(
-      request->page_token(), count + 1,
-      [&pass](absl::string_view id) { return pass->Allows(Role::kRead, id); });
-  for (std::size_t i = 0; i < std::min(meshes.size(), count); ++i) {
-    v1::Mesh* const out = response->add_meshes();
-    if (meshes[i].host != nullptr) {
-      EncodeMesh(*meshes[i].host, out);
-    } else {
-      out->set_name(MeshName(meshes[i].id));
-      out->set_damage(std::string(meshes[i].damage.message()));
-    }
+  const auto shown = [pass = *pass](absl::string_view id) { return pass.Allows(Role::kRead, id); };
+  MeshRegistry* const registry = context_.registry;
+  if (!registry->is_shared()) {
+    EncodeList(registry->List(request->page_token(), count + 1, shown), count, response);
+    return Finished(call, absl::OkStatus());
   }
-  if (meshes.size() > count) response->set_next_page_token(meshes[count - 1].id);
-  return Finished(call, absl::OkStatus());
+  auto* reactor = call->DefaultReactor();
+  context_.readers->Post([reactor, registry, request, response, shown, count] {
+    const auto meshes = registry->ListAll(request->page_token(), count + 1, shown);
+    if (meshes.ok()) EncodeList(*meshes, count, response);
+    reactor->Finish(codec::ToGrpcStatus(meshes.status()));
+  });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContext* call,
                                                       const v1::DeleteMeshRequest* request,
-                                                      v1::DeleteMeshResponse*) {
+                                                      v1::DeleteMeshResponse* response) {
   const absl::StatusOr<Pass> pass = Admit(call, Role::kAdmin, request->mesh());
   if (!pass.ok()) return Finished(call, pass.status());
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
@@ -357,11 +357,12 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
   auto* reactor = call->DefaultReactor();
   // It may wait for the disk.
   context_.writers->Post(
-      [this, reactor, request, held = *ticket,
+      [this, reactor, call, request, response, held = *ticket,
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
         const absl::Status status = context_.registry->Delete(request->mesh(), origin);
         held.reset();
-        reactor->Finish(codec::ToGrpcStatus(status));
+        forwarder_.End(status, call, &Forwarder::Async::DeleteMesh, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
       });
   return reactor;
 }
@@ -380,9 +381,17 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext*
   response->set_meshes(context_.registry->size());
   response->set_watchers(context_.watchers.used());
   if (request->mesh().empty()) return Finished(call, absl::OkStatus());
-  const auto host = context_.registry->Find(request->mesh());
-  if (host.ok()) EncodeStats(**host, response->mutable_mesh());
-  return Finished(call, host.status());
+  auto* reactor = call->DefaultReactor();
+  context_.registry->Open(
+      request->mesh(), AskingOf(*call),
+      [this, reactor, call, request, response](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+        if (host.ok()) EncodeStats(**host, response->mutable_mesh());
+        const absl::Status status =
+            host.ok() ? context_.registry->CheckRead((*host)->id()) : host.status();
+        forwarder_.End(status, call, &Forwarder::Async::GetStats, request, response,
+                       [reactor](const grpc::Status& end) { reactor->Finish(end); });
+      });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerContext* call,
@@ -392,14 +401,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   if (!pass.ok()) return Finished(call, pass.status());
   const auto ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
-  const auto host = context_.registry->Find(request->mesh());
-  if (!host.ok()) return Finished(call, host.status());
-  absl::Status status = CheckLocate(*request, (*host)->mesh_options().dimension);
-  if (!status.ok()) return Finished(call, status);
-
-  auto* reactor = new LocateCall(*host, *ticket, response);
-  reactor->Start({request->coordinates().begin(), request->coordinates().end()});
-  return reactor;
+  return StartLocateCall(context_, forwarder_, *request, response, *ticket, call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(

@@ -11,6 +11,7 @@
 
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
+#include "server/calls/forwarder.h"
 #include "server/calls/open_streams.h"
 #include "server/calls/received.h"
 
@@ -20,7 +21,9 @@ namespace dynmesh::server {
 // method begins with Admit. Thread-safe. The context outlives it.
 class MeshServiceImpl final : public grpc::Service {
  public:
-  explicit MeshServiceImpl(ServiceContext* context);
+  // `neighbours`: for connections to the other servers of a journal; null: no call is handed on.
+  explicit MeshServiceImpl(ServiceContext* context,
+                           std::shared_ptr<grpc::ChannelCredentials> neighbours = nullptr);
 
   // Refuses new work and ends all streams after their complete batches are answered.
   void BeginDrain();
@@ -92,6 +95,7 @@ class MeshServiceImpl final : public grpc::Service {
 
   ServiceContext& context_;
   OpenStreams streams_;
+  Forwarder forwarder_;
   std::deque<std::string> paths_;  // of the methods
 };
 

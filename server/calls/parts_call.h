@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -21,6 +22,7 @@
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/status_codec.h"
 #include "server/calls/admission.h"
+#include "server/calls/asking.h"
 #include "server/calls/open_streams.h"
 #include "server/calls/progress_stage.h"
 #include "server/calls/received.h"
@@ -45,6 +47,15 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
 
   void OnReadDone(bool ok) final {
     SetWaitsNot();
+    if (ok && received_.is_parsed && !has_begun()) {
+      if (const std::string* const mesh = MeshToOpen(); mesh != nullptr && MayOpen()) {
+        return OpenMesh(*mesh);
+      }
+    }
+    Handle(ok);
+  }
+
+  void Handle(bool ok) {
     const bool first = !has_begun();
     const std::size_t before = features();
     absl::Status status;
@@ -92,6 +103,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   void Begin(std::shared_ptr<PartsCall> self, OpenStreams& streams,
              const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     self_ = std::move(self);
+    rpc_ = rpc;
     LimitSends(context_, rpc, sender_);
     const absl::Status status = pass.ok() ? Enter(streams, *pass) : pass.status();
     if (status.ok()) {
@@ -105,8 +117,10 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
 
   virtual bool has_begun() const = 0;        // its first message was received
   virtual std::size_t features() const = 0;  // received so far
-  virtual absl::Status Receive() = 0;        // handles the message just read
-  virtual void Submit() = 0;                 // after the last part: BeginWork, then the work
+  // The mesh of the first message, to be opened before it is received; null: there is none.
+  virtual const std::string* MeshToOpen() { return nullptr; }
+  virtual absl::Status Receive() = 0;  // handles the message just read
+  virtual void Submit() = 0;           // after the last part: BeginWork, then the work
   virtual absl::string_view IncompleteMessage() const = 0;  // where the stream ended too early
   const Request& request() const { return received_.message; }
   // False if the call has ended meanwhile. From here on a drain waits for the work.
@@ -158,17 +172,19 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
 
   // True once: the caller then has to call Close.
   bool FinishLocked() {
-    if (phase_ != Phase::kEnded || writing_ || finished_) return false;
+    if (phase_ != Phase::kEnded || writing_ || opening_ || finished_) return false;
     finished_ = true;
     return true;
   }
 
   ServiceContext& context_;
-  std::shared_ptr<PartsCall> self_;  // until OnDone
+  grpc::CallbackServerContext* rpc_ = nullptr;  // from Begin until OnDone
+  std::shared_ptr<PartsCall> self_;             // until OnDone
 
   // Used by the reader, then by the work.
   Pass pass_;
   StreamPlace place_;
+  absl::StatusOr<MeshRegistry::HostPtr> found_ = MeshRegistry::HostPtr();  // the opened mesh
 
   Response answer_;  // used by the writer, while writing_
   OpenSends::Sender sender_;
@@ -186,6 +202,30 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
     return context_.gate.closed() ? DrainingError() : absl::OkStatus();
   }
 
+  // False if the call has ended. Until the mesh is found or refused it does not finish.
+  bool MayOpen() {
+    const std::lock_guard lock(mutex_);
+    opening_ = phase_ == Phase::kReceiving;
+    return opening_;
+  }
+
+  void OpenMesh(const std::string& mesh) {
+    const auto found = [call = self_](absl::StatusOr<MeshRegistry::HostPtr> host) {
+      call->found_ = std::move(host);
+      call->Handle(true);
+      bool finish = false;
+      {
+        const std::lock_guard lock(call->mutex_);
+        call->opening_ = false;
+        finish = call->FinishLocked();
+      }
+      if (finish) call->Close();
+    };
+    const absl::Status allowed = pass_.Check(Role::kEdit, mesh);
+    if (!allowed.ok()) return found(allowed);
+    context_.registry->Open(mesh, AskingOf(*rpc_), found);
+  }
+
   void Read(bool anew) {
     SetWaits(anew);
     this->StartRead(&received_);
@@ -193,6 +233,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
 
   Received<Request> received_;
   bool finished_ = false;
+  bool opening_ = false;  // the mesh is being found
   MetricsClock::time_point told_ = MetricsClock::now();
   WorkGate::Ticket ticket_;
 };

@@ -42,19 +42,18 @@ void TakeParams(const Request& request, EditJob& job) {
 }
 
 template <typename Request>
-absl::StatusOr<EditRequest> Begin(ServiceContext& context, const Request& request) {
+absl::StatusOr<EditRequest> Begin(MeshRegistry::HostPtr host, const Request& request) {
   EditRequest taken;
   if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
-  absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
-  if (!host.ok()) return host.status();
-  taken.host = *std::move(host);
+  taken.host = std::move(host);
   TakeParams(request, taken.job);
   return taken;
 }
 
 template <typename Request>
-absl::StatusOr<EditRequest> Take(ServiceContext& context, const Request& request) {
-  absl::StatusOr<EditRequest> taken = Begin(context, request);
+absl::StatusOr<EditRequest> Take(ServiceContext& context, MeshRegistry::HostPtr host,
+                                 const Request& request) {
+  absl::StatusOr<EditRequest> taken = Begin(std::move(host), request);
   if (!taken.ok()) return taken;
   absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
   if (!lease.ok()) return lease.status();
@@ -67,22 +66,22 @@ absl::StatusOr<EditRequest> Take(ServiceContext& context, const Request& request
 
 }  // namespace
 
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::AddFeaturesRequest& request) {
-  return Take(context, request);
+  return Take(context, std::move(host), request);
 }
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::RemoveFeaturesRequest& request) {
-  return Take(context, request);
+  return Take(context, std::move(host), request);
 }
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::ApplyEditsRequest& request) {
-  return Take(context, request);
+  return Take(context, std::move(host), request);
 }
 
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext&, MeshRegistry::HostPtr host,
                                             const v1::RevertToRequest& request) {
-  return Begin(context, request);
+  return Begin(std::move(host), request);
 }
 
 PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit_columns()) {

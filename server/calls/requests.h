@@ -14,20 +14,20 @@
 
 namespace dynmesh::server {
 
-// A batch that came in one message, and its share of the limits.
+// A batch for `host` that came in one message, and its share of the limits.
 struct EditRequest {
   MeshRegistry::HostPtr host;
   Lease lease;
   EditJob job;  // without its callbacks
 };
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::AddFeaturesRequest& request);
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::RemoveFeaturesRequest& request);
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::ApplyEditsRequest& request);
 // The batch depends on the mesh's history: no edits yet, and nothing reserved.
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
                                             const v1::RevertToRequest& request);
 
 // A batch of an edit stream that is being received. An error goes to job.refused, to be answered in

@@ -14,14 +14,14 @@ namespace {
 class SnapshotCall final
     : public ChunksCall<SnapshotCall, v1::SnapshotChunk, codec::SnapshotFragmenter> {
  public:
-  absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request) {
-    absl::StatusOr<MeshRegistry::HostPtr> host = Enter(context, request.mesh());
-    if (!host.ok()) return host.status();
+  absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request,
+                     const MeshRegistry::HostPtr& host) {
     absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
-    context.readers->Post([call = self(), host = *host, regions = *std::move(regions)] {
+    context.readers->Post([call = self(), host, regions = *std::move(regions)] {
       auto mesh = host->store()->Latest();
       if (!mesh.ok()) return call->Fail(mesh.status());
+      if (absl::Status s = call->CheckRead(*host); !s.ok()) return call->Fail(s);
       if (!regions.IsEverything()) {
         mesh = std::make_shared<const Mesh>(mesh_data::OnlyInside(**mesh, regions));
       }

@@ -3,6 +3,7 @@
 #include <grpcpp/server_context.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/base/log.h"
+#include "server/calls/asking.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/calls/shared_events.h"
@@ -32,14 +34,18 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     call->self_ = call;
     call->context_ = &context;
     LimitSends(context, rpc, call->sender_);
-    const absl::Status status =
-        pass.ok() ? call->Begin(context, request, *pass, rpc) : pass.status();
+    absl::Status status = pass.status();
+    if (status.ok() && context.gate.closed()) status = DrainingError();
     if (!status.ok()) {
       call->Finish(codec::ToGrpcStatus(status));
-    } else {
-      // Shows the client that the watch is set up, though no event may come for long.
-      call->StartSendInitialMetadata();
+      return call.get();
     }
+    // The request lives until the call is finished.
+    context.registry->Open(
+        request.mesh(), AskingOf(*rpc),
+        [call, &request, pass = *pass, rpc](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+          call->Opened(request, pass, host, rpc);
+        });
     return call.get();
   }
 
@@ -52,7 +58,13 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     Continue(ok);
   }
   void OnCancel() override {
-    if (subscription_ != nullptr && subscription_->Cancel())
+    std::shared_ptr<Subscription> subscription;
+    {
+      const std::lock_guard lock(mutex_);
+      cancelled_ = true;
+      subscription = subscription_;
+    }
+    if (subscription != nullptr && subscription->Cancel())
       Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client disconnected")));
   }
   void OnDone() override {
@@ -66,11 +78,20 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   }
 
  private:
+  void Opened(const v1::WatchRequest& request, const Pass& pass,
+              const absl::StatusOr<MeshRegistry::HostPtr>& host, grpc::CallbackServerContext* rpc) {
+    const absl::Status status =
+        host.ok() ? Begin(*context_, request, pass, *host, rpc) : host.status();
+    if (!status.ok()) {
+      Finish(codec::ToGrpcStatus(status));
+    } else {
+      // Shows the client that the watch is set up, though no event may come for long.
+      StartSendInitialMetadata();
+    }
+  }
+
   absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request, const Pass& pass,
-                     grpc::CallbackServerContext* rpc) {
-    if (context.gate.closed()) return DrainingError();
-    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
-    if (!host.ok()) return host.status();
+                     const MeshRegistry::HostPtr& host, grpc::CallbackServerContext* rpc) {
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
     if (!start.ok()) return start.status();
     absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
@@ -83,15 +104,22 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
       if (const auto call = weak.lock()) call->Pump();
     };
-    auto subscription = (*host)->hub()->Subscribe(*start, wake);
+    auto subscription = host->hub()->Subscribe(*start, wake);
     if (!subscription.ok()) return subscription.status();
-    subscription_ = *std::move(subscription);
-    mesh_ = (*host)->id();
+    {
+      const std::lock_guard lock(mutex_);
+      if (cancelled_) {
+        (*subscription)->Cancel();
+        return absl::CancelledError("the client disconnected");
+      }
+      subscription_ = *subscription;
+    }
+    mesh_ = host->id();
     absl::StatusOr<Access::Stream> allowed =
         context.access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
     if (!allowed.ok()) return allowed.status();
     allowed_ = *std::move(allowed);
-    Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", (*host)->hub()->size()}});
+    Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", host->hub()->size()}});
     return absl::OkStatus();
   }
 
@@ -201,7 +229,9 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   StreamPlace place_;
   std::string mesh_;  // for the log
   Access::Stream allowed_;
-  std::shared_ptr<Subscription> subscription_;
+  std::mutex mutex_;
+  bool cancelled_ = false;                      // under mutex_
+  std::shared_ptr<Subscription> subscription_;  // written under mutex_
   std::optional<WatchFilter> filter_;
   Lease snapshot_lease_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;

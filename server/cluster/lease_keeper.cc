@@ -7,7 +7,9 @@
 namespace dynmesh::server {
 
 LeaseKeeper::LeaseKeeper(std::chrono::nanoseconds ttl, Calls calls)
-    : period_(ttl / 3), calls_(std::move(calls)), reads_(ttl), thread_([this] { Run(); }) {}
+    : period_(ttl / 2), retry_(ttl / 10), calls_(std::move(calls)), reads_(ttl), thread_([this] {
+        Run();
+      }) {}
 
 void LeaseKeeper::Run() {
   bool failing = false;
@@ -16,15 +18,23 @@ void LeaseKeeper::Run() {
     lock.unlock();
     const std::chrono::nanoseconds sent = BootTime();
     const absl::Status renewed = calls_.renew();
-    if (renewed.ok()) reads_.Renewed(sent);
+    if (renewed.ok()) {
+      reads_.Renewed(sent);
+      renewed_ = sent.count();
+    }
     if (failing == renewed.ok()) {
       failing = !failing;
       Log(failing ? LogLevel::kWarning : LogLevel::kInfo,
           failing ? "leases_not_renewed" : "leases_renewed_again", {{"error", renewed.message()}});
     }
     lock.lock();
-    stopping_.wait_for(lock, period_, [this] { return stopped_; });
+    stopping_.wait_for(lock, failing ? retry_ : period_, [this] { return stopped_; });
   }
+}
+
+std::chrono::nanoseconds LeaseKeeper::Age() const {
+  const std::chrono::nanoseconds renewed(renewed_.load());
+  return renewed.count() < 0 ? renewed : BootTime() - renewed;
 }
 
 void LeaseKeeper::Stop() {

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/match.h"
@@ -49,6 +50,24 @@ absl::Status ValidateConnections(const ServerConfig& c) {
   return absl::OkStatus();
 }
 
+// HOST or HOST:PORT, as in the address that a client is given.
+absl::Status ValidateNode(const ServerConfig& c) {
+  if (c.lease < absl::Milliseconds(100) || c.lease > absl::Hours(1)) {
+    return Bad("lease", "not in 0.1 s to an hour");
+  }
+  const absl::string_view address = c.node_address;
+  const bool good = address.size() <= 255 &&
+                    std::all_of(address.begin(), address.end(),
+                                [](char x) { return x > ' ' && x < 0x7f && x != '/' && x != ','; });
+  if (!good || absl::StartsWith(address, ":")) {
+    return Bad("node-address", "is not of the form HOST or HOST:PORT");
+  }
+  if (!address.empty() && absl::StartsWith(c.listen, "unix:")) {
+    return Bad("node-address", "needs a port to listen on, not a socket in a folder");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 bool IsLoopback(absl::string_view listen) {
@@ -64,6 +83,7 @@ absl::Status ValidateConfig(const ServerConfig& c) {
   if (c.listen.empty()) return Bad("listen", "is empty: give host:port");
   if (absl::Status status = ValidateExposure(c); !status.ok()) return status;
   if (absl::Status status = ValidateConnections(c); !status.ok()) return status;
+  if (absl::Status status = ValidateNode(c); !status.ok()) return status;
   if (c.writer_threads < 0 || c.writer_threads > 1024)
     return Bad("writer-threads", "not in 0..1024");
   if (c.reader_threads < 0 || c.reader_threads > 1024)

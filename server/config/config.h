@@ -22,6 +22,16 @@ struct ServerConfig {
   // Tokens and their roles (tokens.h). Empty: every client may do everything.
   std::string tokens_file;
 
+  // HOST or HOST:PORT at which clients and other servers reach this one; without a port, or with
+  // port 0, the one of `listen`. Not empty: it shares the journal's meshes with others that have
+  // such an address. Empty: it has all meshes itself.
+  std::string node_address;
+  // PEM file of the authority of the other servers' certificates, for calls that are handed on to
+  // them. With TLS and without this none is.
+  std::string node_ca;
+  // How long another server waits, when this one has ended, before it takes over its meshes.
+  absl::Duration lease = absl::Seconds(3);
+
   // host:port of metrics and health over HTTP (metrics_http.h); empty: none.
   std::string metrics;
 

@@ -56,6 +56,8 @@ inline AppendOutcome OutcomeOf(const absl::Status& status) {
   return absl::IsUnknown(status) ? AppendOutcome::kUnknown : AppendOutcome::kRefused;
 }
 
+class SharedJournal;  // shared_journal.h
+
 class Journal {
  public:
   // Of one mesh; never reused, even for a mesh with the same id.
@@ -74,6 +76,8 @@ class Journal {
     std::uint64_t syncs = 0;     // successful transactions
     std::uint64_t failures = 0;  // failed transactions
     bool failing = false;        // the last transaction failed
+    std::uint64_t fenced = 0;    // appends that were refused, as another object has the mesh
+    std::uint64_t unknown = 0;   // appends whose outcome was not found out
   };
   // The changes of a batch.
   struct Entry {
@@ -99,6 +103,8 @@ class Journal {
   virtual std::string name() const = 0;
 
   virtual Counts counts() const { return {}; }
+  // What several servers on one journal need; null: there is one server.
+  virtual SharedJournal* shared() { return nullptr; }
   // Its size on the disk.
   virtual std::uint64_t bytes() const { return 0; }
 
@@ -107,6 +113,7 @@ class Journal {
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
   // Makes this object the owner of the mesh, before the mesh is read to be written to. What an
   // earlier owner has in flight is refused from then on. A journal of one process owns all meshes.
+  // ABORTED if another object has a lease of the mesh (shared_journal.h).
   virtual absl::Status Claim(Key) { return absl::OkStatus(); }
   // Quick, whatever the size: the mesh becomes invisible, and its rows remain. Needs no claim.
   virtual absl::Status Delete(Key mesh) = 0;

@@ -23,6 +23,9 @@ struct PostgresOptions {
   int reading_connections = 8;
   // How long the outcome of an unknown write is looked for. A mesh's calls wait meanwhile.
   absl::Duration resolve_for = absl::Seconds(60);
+  // > 0: several servers use the database, each with such leases of its meshes. 0: this one has all
+  // meshes, and takes them from any other.
+  absl::Duration lease = absl::ZeroDuration();
 };
 
 // `url` as of postgres::ParseTarget (postgres_target.h). Makes the tables in an empty database.

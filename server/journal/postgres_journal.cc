@@ -11,6 +11,7 @@
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
+#include "server/journal/postgres_leases.h"
 #include "server/journal/postgres_reading.h"
 #include "server/journal/postgres_schema.h"
 #include "server/journal/row_sum.h"
@@ -27,6 +28,16 @@ constexpr char kCreate[] = R"(
 WITH made AS (
   INSERT INTO dynmesh.meshes(key, id, description, checksum, owner)
   VALUES($1::bigint, $2::text, $3::bytea, $4::bigint, $5::text)
+  ON CONFLICT DO NOTHING RETURNING key),
+first AS (
+  INSERT INTO dynmesh.generations(mesh, revision, parts, bytes) SELECT key, 0, 0, 0 FROM made)
+SELECT key FROM made)";
+// Its tables have the additions of postgres_leases.h. Parameter 6: the lease in microseconds.
+constexpr char kCreateLeased[] = R"(
+WITH made AS (
+  INSERT INTO dynmesh.meshes(key, id, description, checksum, owner, lease_until)
+  VALUES($1::bigint, $2::text, $3::bytea, $4::bigint, $5::text,
+    clock_timestamp() + $6::bigint * interval '1 microsecond')
   ON CONFLICT DO NOTHING RETURNING key),
 first AS (
   INSERT INTO dynmesh.generations(mesh, revision, parts, bytes) SELECT key, 0, 0, 0 FROM made)
@@ -78,6 +89,9 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std
       (*session)->Spoil();
       return named(s);
     }
+    if (journal->is_shared()) {
+      if (absl::Status s = postgres::PrepareLeases(**session); !s.ok()) return named(s);
+    }
     WarnOfUnsafeSettings(**session, target->name);
     journal->Measure(**session);
     deleted = postgres::DeletedMeshes(**session);
@@ -92,7 +106,8 @@ PostgresJournal::PostgresJournal(const postgres::Target& target, const Options& 
       options_(options),
       owner_(FreshOwner()),
       writers_(target.conninfo, options.writing_connections),
-      readers_(target.conninfo, options.reading_connections) {}
+      readers_(target.conninfo, options.reading_connections),
+      keeper_(target.conninfo, 1) {}
 
 void PostgresJournal::Measure(Session& session) {
   const Answer size = session.Execute(
@@ -125,6 +140,7 @@ PostgresJournal::OwnedPtr PostgresJournal::Find(Key mesh) {
 void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief) {
   const auto owned = std::make_shared<Owned>();
   owned->is = belief;
+  owned->epoch = belief.epoch;
   const std::lock_guard lock(owned_mutex_);
   owned_[mesh] = owned;
 }
@@ -167,7 +183,11 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
       if (!next.status.ok()) return next.status;
       key = next.Integer(0, 0);
     }
-    const Answer made = session.Run(kCreate, key, id, postgres::Bytes{description}, sum, owner_);
+    const postgres::Bytes bytes{description};
+    const Answer made = is_shared()
+                            ? session.Run(kCreateLeased, key, id, bytes, sum, owner_,
+                                          std::int64_t{absl::ToInt64Microseconds(options_.lease)})
+                            : session.Run(kCreate, key, id, bytes, sum, owner_);
     *unknown = made.unknown;
     if (!made.status.ok() || !made.empty()) return made.status;
     const Answer there = session.Run("SELECT key FROM dynmesh.meshes WHERE id = $1::text", id);
@@ -179,6 +199,16 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
   return key;
 }
 
+postgres::Claimed PostgresJournal::ClaimOn(Session& session, Key mesh) const {
+  if (!is_shared()) return postgres::ClaimMesh(session, mesh, owner_);
+  const postgres::FreeClaim claim = postgres::ClaimFree(session, mesh, owner_, options_.lease);
+  if (!claim.held) return {claim.status, claim.unknown, claim.belief};
+  return {absl::AbortedError(absl::StrCat("the server at ", claim.holder.node.address,
+                                          " has the mesh, in epoch ", claim.holder.epoch)),
+          false,
+          {}};
+}
+
 absl::Status PostgresJournal::Claim(Key mesh) {
   // An append of an earlier claim ends first: it may have to claim the mesh again.
   const OwnedPtr before = Find(mesh);
@@ -186,7 +216,7 @@ absl::Status PostgresJournal::Claim(Key mesh) {
   if (before != nullptr) lock = std::unique_lock(before->mutex);
   postgres::Belief belief;
   const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
-    const postgres::Claimed claimed = postgres::ClaimMesh(session, mesh, owner_);
+    const postgres::Claimed claimed = ClaimOn(session, mesh);
     *unknown = claimed.unknown;
     belief = claimed.belief;
     return claimed.status;

@@ -32,10 +32,11 @@
 #include "server/journal/postgres_ownership.h"
 #include "server/journal/postgres_pool.h"
 #include "server/journal/postgres_target.h"
+#include "server/journal/shared_journal.h"
 
 namespace dynmesh::server {
 
-class PostgresJournal final : public Journal {
+class PostgresJournal final : public Journal, public SharedJournal {
  public:
   using Options = PostgresOptions;
 
@@ -44,7 +45,10 @@ class PostgresJournal final : public Journal {
                                                                const Options& options);
 
   std::string name() const override { return name_; }
-  Counts counts() const override { return {commits_.load(), failures_.load(), failing_.load()}; }
+  Counts counts() const override {
+    return {commits_.load(), failures_.load(), failing_.load(), fenced_.load(), unknown_.load()};
+  }
+  SharedJournal* shared() override { return is_shared() ? this : nullptr; }
   // As of the opening, or of the last snapshot of any mesh since.
   std::uint64_t bytes() const override { return bytes_; }
   absl::StatusOr<std::vector<Mesh>> List() override;
@@ -62,17 +66,31 @@ class PostgresJournal final : public Journal {
   absl::Status Compact(Key mesh, std::uint64_t revision,
                        const std::vector<std::string>& parts) override;
 
+  // With leases (postgres_shared.cc).
+  absl::Duration lease() const override { return options_.lease; }
+  absl::StatusOr<std::vector<Key>> Renew(const std::string& address) override;
+  absl::Status GiveUp() override;
+  absl::StatusOr<std::vector<std::string>> LiveNodes() override;
+  absl::StatusOr<Place> Locate(const std::string& id) override;
+  absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
+                                               std::size_t limit) override;
+  std::int64_t EpochOf(Key mesh) override;
+
  private:
   // A mesh that this object claimed.
   struct Owned {
-    std::mutex mutex;     // held during an append or a transaction of a snapshot
-    absl::Status gone;    // not OK: disowned, and why
-    postgres::Belief is;  // while it is owned
+    std::mutex mutex;                    // held during an append or a transaction of a snapshot
+    absl::Status gone;                   // not OK: disowned, and why
+    postgres::Belief is;                 // while it is owned
+    std::atomic<std::int64_t> epoch{0};  // as in `is`; 0: disowned. Without the mutex
   };
   using OwnedPtr = std::shared_ptr<Owned>;
 
   PostgresJournal(const postgres::Target& target, const Options& options);
 
+  bool is_shared() const { return options_.lease > absl::ZeroDuration(); }
+  // One claim, forced or of a free mesh.
+  postgres::Claimed ClaimOn(postgres::Session& session, Key mesh) const;
   OwnedPtr Find(Key mesh);
   void Keep(Key mesh, const postgres::Belief& belief);
   // Counts a writing call by its status, and returns it.
@@ -100,12 +118,14 @@ class PostgresJournal final : public Journal {
   const Options options_;
   const std::string owner_;  // no other journal object has it
   postgres::Pool writers_, readers_;
+  postgres::Pool keeper_;  // for leases, which must not wait for appends
 
   std::mutex owned_mutex_;
   std::map<Key, OwnedPtr> owned_;
 
   std::atomic<std::uint64_t> commits_{0};
   std::atomic<std::uint64_t> failures_{0};
+  std::atomic<std::uint64_t> fenced_{0}, unknown_{0};
   std::atomic<bool> failing_{false};
   std::atomic<std::uint64_t> bytes_{0};
 };

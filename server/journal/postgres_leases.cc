@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/journal/journal_errors.h"
+#include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
 namespace {
@@ -20,6 +21,10 @@ constexpr char kRenew[] = R"(
 WITH me AS (
   INSERT INTO dynmesh.nodes(id, address, seen) VALUES($1::text, $2::text, clock_timestamp())
   ON CONFLICT(id) DO UPDATE SET address = excluded.address, seen = clock_timestamp()),
+dead AS (
+  DELETE FROM dynmesh.nodes WHERE id IN (
+    SELECT id FROM dynmesh.nodes WHERE seen < clock_timestamp() - interval '1 day'
+      AND id <> $1::text FOR UPDATE SKIP LOCKED)),
 mine AS (
   UPDATE dynmesh.meshes SET lease_until = clock_timestamp() + $3::bigint * interval '1 microsecond'
   WHERE owner = $1::text AND lease_until > '-infinity' RETURNING key)
@@ -38,9 +43,39 @@ SELECT convert_to(m.owner, 'UTF8'), convert_to(coalesce(n.address, ''), 'UTF8'),
   CASE WHEN m.lease_until = '-infinity' THEN 0
     ELSE (extract(epoch FROM m.lease_until - clock_timestamp()) * 1000000)::bigint END
 FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner WHERE m.key = $1::bigint)";
+// The columns of a place. Parameter 1: the node that asks.
+#define DYNMESH_PLACES                                                                  \
+  "SELECT m.key, convert_to(m.id, 'UTF8'), m.description, m.checksum, m.head, "         \
+  "head - snapshot + (snapshot > 0)::integer, (m.owner = $1::text)::integer, "          \
+  "convert_to(coalesce(n.address, ''), 'UTF8'), m.epoch, "                              \
+  "CASE WHEN m.lease_until = '-infinity' THEN 0 "                                       \
+  "ELSE (extract(epoch FROM m.lease_until - clock_timestamp()) * 1000000)::bigint END " \
+  "FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner "
+constexpr char kLocate[] = DYNMESH_PLACES "WHERE m.id = $2::text";
+constexpr char kLocateAll[] = DYNMESH_PLACES "WHERE m.id > $2::text ORDER BY m.id LIMIT $3::bigint";
+#undef DYNMESH_PLACES
 constexpr char kGiveUp[] = R"(
 WITH gone AS (DELETE FROM dynmesh.nodes WHERE id = $1::text)
 UPDATE dynmesh.meshes SET lease_until = '-infinity' WHERE owner = $1::text)";
+
+SharedJournal::Place PlaceOf(const Answer& answer, std::size_t row) {
+  SharedJournal::Place place;
+  Journal::Mesh& mesh = place.mesh;
+  mesh.key = answer.Integer(row, 0);
+  mesh.id = answer.Bytes(row, 1);
+  mesh.description = answer.Bytes(row, 2);
+  mesh.entries = static_cast<std::uint64_t>(answer.Integer(row, 5));
+  if (RowSumOf(absl::string_view(mesh.id), absl::string_view(mesh.description)) !=
+      answer.Integer(row, 3)) {
+    mesh.damage = ReadingErrors(mesh.id).Damaged("the description");
+  }
+  place.revision = static_cast<std::uint64_t>(answer.Integer(row, 4));
+  place.is_mine = answer.Integer(row, 6) != 0;
+  place.address = answer.Bytes(row, 7);
+  place.epoch = answer.Integer(row, 8);
+  place.left = absl::Microseconds(answer.Integer(row, 9));
+  return place;
+}
 
 absl::Status Add(Session& session) {
   if (absl::Status s = session.Execute("BEGIN").status; !s.ok()) return s;
@@ -105,6 +140,26 @@ FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node
                   holder.Integer(0, 2),
                   absl::Microseconds(std::max<std::int64_t>(holder.Integer(0, 3), 1))};
   return claim;
+}
+
+absl::StatusOr<SharedJournal::Place> LocateMesh(Session& session, const std::string& id,
+                                                const std::string& node) {
+  const Answer answer = session.Run(kLocate, node, id);
+  if (!answer.status.ok()) return answer.status;
+  if (answer.empty()) return NoSuchMesh();
+  return PlaceOf(answer, 0);
+}
+
+absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
+                                                               const std::string& after,
+                                                               std::size_t limit,
+                                                               const std::string& node) {
+  const Answer answer =
+      session.Run(kLocateAll, node, after, std::int64_t{static_cast<std::int64_t>(limit)});
+  if (!answer.status.ok()) return answer.status;
+  std::vector<SharedJournal::Place> places;
+  for (std::size_t row = 0; row < answer.size(); ++row) places.push_back(PlaceOf(answer, row));
+  return places;
 }
 
 absl::Status GiveUpLeases(Session& session, const std::string& node) {

@@ -20,6 +20,7 @@
 #include "absl/time/time.h"
 #include "server/journal/postgres_ownership.h"
 #include "server/journal/postgres_session.h"
+#include "server/journal/shared_journal.h"
 
 namespace dynmesh::server::postgres {
 
@@ -48,8 +49,8 @@ struct FreeClaim {
 absl::Status PrepareLeases(Session& session);
 
 // Says that the node is there, and renews all its leases for `ttl` from now on. Returns the meshes
-// whose leases it renewed, by key. A lease that ran out is renewed, too, if no other server has
-// claimed the mesh; one that was given up is not.
+// whose leases it renewed, by key. Forgets nodes that have not renewed for a day. A lease that ran
+// out is renewed, too, if no other server has claimed the mesh; one that was given up is not.
 absl::StatusOr<std::vector<std::int64_t>> RenewLeases(Session& session, const Node& node,
                                                       absl::Duration ttl);
 
@@ -60,6 +61,15 @@ absl::StatusOr<std::vector<Node>> LiveNodes(Session& session, absl::Duration ttl
 // has a lease that has not run out. Of several claims at once one is granted.
 FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node,
                     absl::Duration ttl);
+
+// The mesh `id` as `node` sees it. NOT_FOUND for one that does not exist.
+absl::StatusOr<SharedJournal::Place> LocateMesh(Session& session, const std::string& id,
+                                                const std::string& node);
+// At most `limit` meshes with ids > `after`, by id.
+absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
+                                                               const std::string& after,
+                                                               std::size_t limit,
+                                                               const std::string& node);
 
 // For a drain, after the last append: other nodes may claim its meshes at once, and it does not
 // count as live. Its epochs stay, so what it still has in flight is not refused before such a

@@ -14,10 +14,15 @@ namespace {
 
 constexpr char kBegin[] = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
 
+// At once, of rows of some hundred bytes.
+constexpr std::size_t kSmallRows = 2'048;
+
 // Calls `row` for each row of a query, until it returns an error or sets `ended`. In a transaction.
 class Rows {
  public:
-  Rows(Session& session, const std::string& query) : session_(session) {
+  // `count`: how many rows are fetched at first.
+  Rows(Session& session, const std::string& query, std::size_t count = 8)
+      : session_(session), count_(count) {
     status_ = session.Execute(absl::StrCat("DECLARE rows NO SCROLL CURSOR FOR ", query)).status;
   }
 
@@ -45,7 +50,7 @@ class Rows {
  private:
   Session& session_;
   absl::Status status_;
-  std::size_t count_ = 8;
+  std::size_t count_;
 };
 
 // One mesh, in a transaction. Call Find first.
@@ -86,9 +91,11 @@ class MeshReader {
   }
 
   absl::Status Requests(const Journal::Visitor& visitor) const {
-    Rows rows(session_, absl::StrCat("SELECT number, checksum, id, answer FROM dynmesh.requests "
-                                     "WHERE mesh = ",
-                                     mesh_, " ORDER BY number"));
+    Rows rows(session_,
+              absl::StrCat("SELECT number, checksum, id, answer FROM dynmesh.requests "
+                           "WHERE mesh = ",
+                           mesh_, " ORDER BY number"),
+              kSmallRows);
     return rows.ForEach([&](const Answer& answer, std::size_t row, bool*) -> absl::Status {
       const Journal::Request request{answer.Bytes(row, 2), answer.Bytes(row, 3)};
       if (RowSumOf(mesh_, answer.Integer(row, 0), absl::string_view(request.id),

@@ -96,6 +96,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
           return Disown(owned, postgres::SetBack(claimed.belief, before));
         }
         owned.is = claimed.belief;
+        owned.epoch = owned.is.epoch;
         Log(LogLevel::kInfo, "append_resolved",
             {{"journal", name_}, {"mesh", mesh}, {"appended", *is_there}});
         return absl::OkStatus();
@@ -113,7 +114,10 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
 }
 
 absl::Status PostgresJournal::Disown(Owned& owned, absl::Status why) {
+  if (absl::IsUnknown(why)) ++unknown_;
+  if (absl::IsAborted(why)) ++fenced_;
   owned.gone = why;
+  owned.epoch = 0;
   return why;
 }
 

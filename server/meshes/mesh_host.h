@@ -110,6 +110,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
 
   // Refuses all waiting jobs and ends all watches with `status`.
   void Close(const absl::Status& status);
+  // Another server may have the mesh: closes the host for good, with NOT_OWNER. `why`: for the log.
+  void StepDown(const absl::Status& why);
 
   const std::string& id() const { return id_; }
   const MeshOptions& mesh_options() const { return mesh_options_; }
@@ -151,7 +153,6 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff);
   void Finish(HeldEdit edit);
   absl::Status Lose(absl::string_view why);
-  void StepDown(const absl::Status& why);
   void RebaseIfDue();
 
   // True if the batch may be written with others in a group.

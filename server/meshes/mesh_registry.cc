@@ -9,6 +9,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/printable.h"
+#include "server/cluster/placement.h"
 #include "server/meshes/batch_interrupt.h"
 #include "server/meshes/recovery.h"
 #include "server/meshes/recovery_progress.h"
@@ -16,15 +17,14 @@
 namespace dynmesh::server {
 namespace {
 
+absl::Status MeshExistsError(absl::string_view id) {
+  return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kMeshExists, id,
+                   "exists already");
+}
+
 absl::Status NotFound(absl::string_view id) {
   return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
                    "does not exist: create it, or list those that do");
-}
-
-absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
-  return MeshError(absl::StatusCode::kDataLoss, codec::reason::kMeshDamaged, id,
-                   absl::StrCat("is damaged: ", Printable(status.message()),
-                                ". Restore the server's data folder, or delete the mesh"));
 }
 
 // One part per task of the pool. Does not use the registry, which is destroyed before its pools.
@@ -36,6 +36,12 @@ void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
 }
 
 }  // namespace
+
+absl::Status MeshRegistry::DamageOf(absl::string_view id, const absl::Status& status) {
+  return MeshError(absl::StatusCode::kDataLoss, codec::reason::kMeshDamaged, id,
+                   absl::StrCat("is damaged: ", Printable(status.message()),
+                                ". Restore the server's data folder, or delete the mesh"));
+}
 
 MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
                            WorkerPool* readers, Journal* journal, ServerMetrics* metrics,
@@ -68,6 +74,10 @@ std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
 }
 
 MeshRegistry::~MeshRegistry() {
+  if (opener_ != nullptr) {
+    opener_.reset();                  // it loads into this
+    shared_->GiveUp().IgnoreError();  // what was claimed after a drain; else it runs out
+  }
   EndSweeps();
   CloseAll(absl::UnavailableError("the server has ended"));
 }
@@ -80,7 +90,13 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
   if (it == hosts_.end() || it->second.host == nullptr || it->second.request_id != request_id) {
     return HostPtr();
   }
-  if (options != it->second.host->mesh_options()) {
+  const MeshOptions& made_with = it->second.host->mesh_options();
+  MeshOptions asked = options;
+  // The server that made it may have had another limit.
+  if (shared_ != nullptr && asked.limits.max_vertices == MaxVertices(asked.dimension)) {
+    asked.limits.max_vertices = made_with.limits.max_vertices;
+  }
+  if (asked != made_with) {
     return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, it->first,
                      "was made with this request_id and other content: use a new one");
   }
@@ -90,8 +106,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
 absl::Status MeshRegistry::CheckRoom(const std::string& id) const {
   if (const auto it = hosts_.find(id); it != hosts_.end()) {
     if (it->second.host == nullptr) return it->second.damage;
-    return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kMeshExists, id,
-                     "exists already");
+    return MeshExistsError(id);
   }
   if (hosts_.size() >= config_.max_meshes) {
     codec::ServiceError error;
@@ -104,7 +119,12 @@ absl::Status MeshRegistry::CheckRoom(const std::string& id) const {
   return absl::OkStatus();
 }
 
-std::string MeshRegistry::FreshId() {
+std::string MeshRegistry::FreshId(const std::string& request_id) {
+  if (shared_ != nullptr && !request_id.empty()) {
+    // A retry at another server is to find the mesh.
+    std::string id = absl::StrFormat("m-%012x", PlacementWeight("", request_id) & 0xffffffffffffu);
+    if (!hosts_.contains(id)) return id;
+  }
   while (true) {
     std::string id = absl::StrFormat("m-%012x", random_() & 0xffffffffffffu);
     if (!hosts_.contains(id)) return id;
@@ -136,7 +156,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
     auto created = FindCreated(id, options, request_id);
     if (!created.ok() || *created != nullptr) return created;
     if (absl::Status status = CheckRoom(id); !status.ok()) return status;
-    if (id.empty()) final_id = FreshId();
+    if (id.empty()) final_id = FreshId(request_id);
   }
   const absl::Time now = absl::Now();
   const absl::StatusOr<Journal::Key> key = WriteDown(final_id, {options, now, request_id});
@@ -181,6 +201,7 @@ absl::StatusOr<Journal::Key> MeshRegistry::WriteDown(const std::string& id,
   if (journal_ == nullptr) return Journal::Key{0};
   absl::StatusOr<Journal::Key> key = journal_->Create(id, codec::EncodeJournalMesh(mesh));
   if (key.ok()) return key;
+  if (absl::IsAlreadyExists(key.status())) return MeshExistsError(id);  // at another server
   return JournalError(key.status(), id);
 }
 
@@ -210,25 +231,31 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
     hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
     return;
   }
+  if (!mesh.loss.ok()) progress.Damage();
+  Put(mesh, *std::move(found), start);
+}
+
+MeshRegistry::HostPtr MeshRegistry::Put(const Journal::Mesh& mesh, RecoveredMesh found,
+                                        absl::Time start) {
   absl::Status damage;
   if (!mesh.loss.ok()) {
     damage = DamageOf(mesh.id, mesh.loss);
-    found->past.read_only = damage;
-    progress.Damage();
+    found.past.read_only = damage;
   }
-  const codec::JournalMesh made = found->made;
-  HostPtr host = MeshHost::Create(mesh.id, std::move(found->mesh), made.create_time, writers_,
-                                  readers_, HostOptions(), std::move(found->past));
+  const codec::JournalMesh made = found.made;
+  HostPtr host = MeshHost::Create(mesh.id, std::move(found.mesh), made.create_time, writers_,
+                                  readers_, HostOptions(), std::move(found.past));
   Log(LogLevel::kInfo, "recovered",
       {{"mesh", mesh.id},
        {"revision", host->head().revision},
        {"hash", host->head().hash.ToHex()},
        {"features", host->stats().features},
-       {"entries", found->entries},
+       {"entries", found.entries},
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
   const std::lock_guard lock(mutex_);
   if (!made.request_id.empty()) made_.emplace(made.request_id, mesh.id);
-  hosts_.emplace(mesh.id, Held{std::move(host), damage, mesh.key, made.request_id});
+  hosts_.insert_or_assign(mesh.id, Held{host, damage, mesh.key, made.request_id});
+  return host;
 }
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
@@ -246,12 +273,19 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
   const absl::StatusOr<std::string> id = ParseMeshName(name);
   if (!id.ok()) return id.status();
   Held held;
+  bool is_here = false;
   const std::lock_guard changing(changing_mutex_);
   {
     const std::lock_guard lock(mutex_);
     const auto it = hosts_.find(*id);
-    if (it == hosts_.end()) return NotFound(*id);
-    held = it->second;
+    is_here = it != hosts_.end();
+    if (is_here) held = it->second;
+  }
+  if (!is_here || (shared_ != nullptr && held.host != nullptr && held.host->disowned())) {
+    // It may be another server's.
+    const absl::StatusOr<Journal::Key> key = KeyElsewhere(*id);
+    if (!key.ok()) return key.status();
+    held.key = *key;
   }
   // From here on the journal refuses the mesh's edits.
   if (journal_ != nullptr) {
@@ -276,7 +310,7 @@ std::vector<MeshRegistry::Listed> MeshRegistry::List(
   std::vector<Listed> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
     if (shown != nullptr && !shown(it->first)) continue;
-    found.push_back({it->first, it->second.host, it->second.damage});
+    found.push_back({it->first, it->second.host, it->second.damage, "", 0, {}});
   }
   return found;
 }

@@ -1,6 +1,9 @@
 // The meshes of a server, by id. With a journal, a mesh exists iff the journal has it. A mesh that
 // cannot be recovered is listed as damaged: calls get the reason, and it can be deleted. A mesh
-// that lacks acknowledged revisions is read only, with the reason. Thread-safe.
+// that lacks acknowledged revisions is read only, with the reason.
+//
+// Several servers may share a journal (Join). Then only a part of its meshes is here; the others
+// are opened when a call asks for them, or are another server's. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
@@ -21,12 +24,15 @@
 #include "server/base/mesh_name.h"
 #include "server/config/config.h"
 #include "server/journal/journal.h"
+#include "server/journal/shared_journal.h"
 #include "server/meshes/mesh_host.h"
+#include "server/meshes/mesh_opener.h"
 #include "server/metrics/server_metrics.h"
 
 namespace dynmesh::server {
 
 class RecoveryProgress;
+struct RecoveredMesh;
 
 class MeshRegistry {
  public:
@@ -42,6 +48,12 @@ class MeshRegistry {
 
   // Recovers the journal's meshes, several at a time. Before any other call.
   absl::Status Recover();
+  // In place of Recover, for a journal that several servers share: tells them that this one is at
+  // `address`, and begins to open the free meshes that placement gives it. `reads` says whether a
+  // read that was made may be answered, as LeaseKeeper::MayAnswerReads.
+  absl::Status Join(const std::string& address, std::function<bool()> reads);
+  // Renews the leases of the journal's meshes, and drops those that another server has. After Join.
+  absl::Status Renew();
 
   // The caller, for the log.
   struct Origin {
@@ -59,12 +71,23 @@ class MeshRegistry {
                                  const std::atomic<bool>* cancelled = nullptr,
                                  const Origin& origin = {});
 
+  // Calls `done` with `created`, the result of Create. If another server may have made the mesh
+  // with this request_id, it is opened first.
+  void FindMade(const absl::StatusOr<HostPtr>& created, const MeshOptions& options,
+                const std::string& request_id, const Asking& asking, MeshOpener::Done done);
+
   // The largest max_vertices for a mesh of that dimension.
   std::uint64_t MaxVertices(int dimension) const;
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED);
   // UNAVAILABLE (NOT_OWNER) for a mesh that another server has.
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
+  // The same for a mesh that may not be here yet: `done` is called once, with what Find returns, at
+  // once or by another thread; also with UNAVAILABLE (JOURNAL_FAILED) and DEADLINE_EXCEEDED.
+  void Open(absl::string_view name, const Asking& asking, MeshOpener::Done done);
+  // OK if a state of the mesh that has been read may be answered as the present one; UNAVAILABLE
+  // (NOT_OWNER) if another server may have changed it meanwhile.
+  absl::Status CheckRead(absl::string_view id) const;
   // Waits for the journal. The journal frees the mesh's bytes later.
   absl::Status Delete(absl::string_view name, const Origin& origin = {});
 
@@ -72,11 +95,21 @@ class MeshRegistry {
     std::string id;
     HostPtr host;         // null: not readable
     absl::Status damage;  // the reason; with a host: why it is read only
+    // Of a mesh that is not here, but is not damaged either:
+    std::string owner;  // the address of its server, or "none"
+    std::uint64_t revision = 0;
+    absl::Time create_time;
   };
   // At most `limit` meshes with ids > `after`, sorted by id. If `shown` is given, only ids for
   // which it returns true.
   std::vector<Listed> List(absl::string_view after, std::size_t limit,
                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
+  // True after Join: then ListAll has all meshes of the journal, as List those that are here. Waits
+  // for the journal. UNAVAILABLE (JOURNAL_FAILED).
+  bool is_shared() const { return shared_ != nullptr; }
+  absl::StatusOr<std::vector<Listed>> ListAll(
+      absl::string_view after, std::size_t limit,
+      const std::function<bool(absl::string_view)>& shown) const;
   // All meshes that are not damaged, by id.
   std::vector<HostPtr> Hosts() const;
 
@@ -89,6 +122,10 @@ class MeshRegistry {
   // Ends all watches and refuses all waiting jobs with `status`.
   void CloseAll(const absl::Status& status);
   void CloseWatches(const absl::Status& status);
+  // Answers all calls that wait for a mesh to be opened, now and later, with `status`.
+  void CloseOpening(const absl::Status& status);
+  // Of a mesh here: the epoch in which this server has it; 0 if servers do not share the journal.
+  std::int64_t EpochOf(const std::string& id) const;
 
  private:
   struct Held {
@@ -102,8 +139,19 @@ class MeshRegistry {
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
-  std::string FreshId();
+  static absl::Status DamageOf(absl::string_view id, const absl::Status& status);
+  std::string FreshId(const std::string& request_id);
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
+  // Of a shared journal.
+  absl::StatusOr<HostPtr> LoadShared(const Journal::Mesh& mesh);
+  absl::Status OpenChosen();
+  // Of a mesh that is to be deleted and is not here: NOT_FOUND, or NOT_OWNER if it is leased.
+  absl::StatusOr<Journal::Key> KeyElsewhere(const std::string& id) const;
+  Listed ListedOf(const SharedJournal::Place& place) const;
+  // Drops a mesh that another server has. The host is destroyed by a writer.
+  void Drop(const std::string& id, const HostPtr& host, const absl::Status& why);
+  // Makes the host of a recovered mesh, and puts it in.
+  HostPtr Put(const Journal::Mesh& mesh, RecoveredMesh found, absl::Time start);
   absl::StatusOr<std::unique_ptr<DynamicMesh>> Make(const MeshOptions& options,
                                                     const std::atomic<bool>* cancelled) const;
   absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
@@ -126,6 +174,12 @@ class MeshRegistry {
   const std::shared_ptr<std::atomic<bool>> sweeps_ended_ =
       std::make_shared<std::atomic<bool>>(false);
   std::mt19937_64 random_{std::random_device{}()};
+
+  // Set by Join.
+  SharedJournal* shared_ = nullptr;
+  std::string address_;
+  std::function<bool()> reads_;
+  std::unique_ptr<MeshOpener> opener_;
 };
 
 }  // namespace dynmesh::server

@@ -3,6 +3,7 @@
 #define DYNMESH_TESTS_E2E_DAEMON_H_
 
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -42,6 +43,7 @@ class Daemon {
     std::fflush(nullptr);  // or the child would write it once more
     child_ = fork();
     if (child_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);  // it does not outlive the test
       if (std::freopen(log.c_str(), "a", stderr) == nullptr) _exit(126);
       if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
       execv(DYNMESHD_BINARY, argv.data());

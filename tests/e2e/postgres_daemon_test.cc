@@ -112,6 +112,8 @@ TEST_F(PostgresDaemonTest, OneOfBothJournalsIsGiven) {
   flags.insert(flags.end(), {"--data-dir", folder_.path() + "/data"});
   EXPECT_FALSE(daemon_.Start(flags));
   EXPECT_EQ(daemon_.exit_code(), 2);
+  EXPECT_FALSE(daemon_.Start({"--node-address", "127.0.0.1"})) << "there is nothing to share";
+  EXPECT_EQ(daemon_.exit_code(), 2);
   EXPECT_FALSE(daemon_.Start({"--journal", "mysql://x"}));
   EXPECT_EQ(daemon_.exit_code(), 2);
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "postgresql://")) << daemon_.Log();

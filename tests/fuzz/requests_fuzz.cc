@@ -199,7 +199,9 @@ class Service {
 
   template <typename Request>
   std::string DoEdits(const Request& request) {
-    auto taken = server::TakeEditRequest(context_, request);
+    const auto host = registry_.Find(request.mesh());
+    if (!host.ok()) return CheckRefusal(host.status());
+    auto taken = server::TakeEditRequest(context_, *host, request);
     if (!taken.ok()) return CheckRefusal(taken.status());
     return Run(taken->host->id(), std::move(taken->job));
   }

@@ -173,5 +173,25 @@ TEST(Flags, ExposureIsRefusedUnlessOnPurpose) {
   EXPECT_FALSE(ValidateConfig(config).ok());
 }
 
+TEST(Flags, ANodesAddressIsOneThatAClientCanBeGiven) {
+  ServerConfig config;
+  for (const char* good :
+       {"", "a.example", "a.example:7878", "10.0.0.1:1", "[::1]:7878", "[::1]"}) {
+    config.node_address = good;
+    EXPECT_TRUE(ValidateConfig(config).ok()) << good;
+  }
+  for (const char* bad : {":7878", "a b", "http://a", "a,b", "a\n"}) {
+    config.node_address = bad;
+    const absl::Status refused = ValidateConfig(config);
+    EXPECT_TRUE(absl::IsInvalidArgument(refused)) << bad;
+    EXPECT_NE(refused.message().find("node-address"), std::string::npos) << refused;
+  }
+  config.node_address = "";
+  for (const absl::Duration bad : {absl::ZeroDuration(), absl::Hours(2), -absl::Seconds(1)}) {
+    config.lease = bad;
+    EXPECT_TRUE(absl::IsInvalidArgument(ValidateConfig(config)));
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh::server

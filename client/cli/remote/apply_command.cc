@@ -8,9 +8,11 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/percentile.h"
 #include "client/cli/progress_bar.h"
@@ -127,30 +129,60 @@ class Application {
     return absl::OkStatus();
   }
 
+  // Several sessions if the mesh moves to another server meanwhile.
   absl::Status Pipelined() {
+    constexpr int kAttempts = 60;
+    std::size_t answered = 0;
+    for (int attempt = 1;; ++attempt) {
+      const std::size_t before = answered;
+      absl::Status cut;
+      if (absl::Status s = Session(answered, cut); !s.ok() || cut.ok()) return s;
+      if (answered > before) attempt = 1;
+      if (attempt == kAttempts) return cut;
+      absl::SleepFor(absl::Milliseconds(attempt == 1 ? 0 : 200));
+    }
+  }
+
+  // Sends the batches from `answered` on, and counts the answers there. `cut`: not OK if the rest
+  // can be sent again in another session.
+  absl::Status Session(std::size_t& answered, absl::Status& cut) {
     const auto session = client_->OpenEdits(command_.id, /*stop_on_error=*/true);
-    std::thread sender([&] {
-      for (std::size_t b = 0; b < script_.batches.size(); ++b) {
+    std::thread sender([&, first = answered] {
+      for (std::size_t b = first; b < script_.batches.size(); ++b) {
         if (!session->Send(script_.batches[b].edits, Params(b)).ok()) return;  // Receive reports it
       }
       // If that fails, Finish reports why.
       static_cast<void>(session->DoneSending());
     });
     absl::Status status;
-    std::size_t answered = 0;
     while (auto answer = session->Receive()) {
+      if (IsCut(answer->result.status())) {
+        cut = answer->result.status();
+        break;
+      }
       status = Take(answered++, answer->result);
       if (!status.ok()) break;
     }
-    if (!status.ok()) session->Cancel();
+    if (!status.ok() || !cut.ok()) session->Cancel();
     sender.join();
     while (session->Receive().has_value()) {
     }
     const absl::Status end = session->Finish();
-    if (!status.ok()) return status;
-    if (!end.ok()) return end;
+    if (!status.ok() || !cut.ok()) return status;
+    if (IsCut(end)) cut = end;
+    if (!end.ok()) return cut.ok() ? end : absl::OkStatus();
     if (answered == script_.batches.size()) return absl::OkStatus();
     return absl::DataLossError("the server did not answer every batch");
+  }
+
+  // True if what has no answer can be sent to another server: it was not applied, or the batches
+  // have ids and there are other servers.
+  bool IsCut(const absl::Status& status) const {
+    if (!absl::IsUnavailable(status)) return false;
+    const auto error = codec::GetServiceError(status);
+    if (error.has_value() && error->reason == codec::reason::kNotOwner) return true;
+    return !command_.request_prefix.empty() && absl::StrContains(command_.server.address, ',') &&
+           (!error.has_value() || error->reason != codec::reason::kJournalFailed);
   }
 
   absl::Status Take(std::size_t batch, const absl::StatusOr<client::EditResult>& result) {

@@ -64,7 +64,9 @@ void AddConnectionFlags(CLI::App& command, ServerFlags& flags, const std::string
 }
 
 void AddServerFlags(CLI::App& command, ServerFlags& flags) {
-  AddConnectionFlags(command, flags, "The server (default: 127.0.0.1:7878)");
+  AddConnectionFlags(command, flags,
+                     "The server; or some of those that share the meshes, with commas between "
+                     "(default: 127.0.0.1:7878)");
   command.add_flag("--json", flags.json, "Print one JSON object a line");
 }
 
@@ -117,6 +119,14 @@ std::string MeshLine(const client::MeshInfo& mesh, bool json) {
   if (!mesh.damage.empty() && !(mesh.read_only && json)) {
     return json ? JsonObject().AddText("mesh", mesh.id).AddText("damage", mesh.damage).ToLine()
                 : absl::StrFormat("%s  DAMAGED  %s\n", mesh.id, mesh.damage);
+  }
+  if (!mesh.owner.empty()) {
+    return json ? JsonObject()
+                      .AddText("mesh", mesh.id)
+                      .Add("revision", mesh.revision)
+                      .AddText("owner", mesh.owner)
+                      .ToLine()
+                : absl::StrFormat("%s  revision %d  at %s\n", mesh.id, mesh.revision, mesh.owner);
   }
   if (!json) {
     return absl::StrFormat("%s  revision %d  hash %s  %s\n", mesh.id, mesh.revision,

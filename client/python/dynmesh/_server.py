@@ -27,7 +27,7 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
     """The server at `address`. Does not connect yet: the first call fails if it is unreachable.
 
     Args:
-        address: "host:port".
+        address: "host:port"; of servers that share their meshes, some of them with commas between.
         token: sent with every call.
         tls_ca: certificates that sign the server's, as PEM text or a path. If given, the connection
             is encrypted.
@@ -130,7 +130,11 @@ class Server:
         return self._open(info)
 
     def meshes(self) -> list[dict[str, Any]]:
-        """All meshes: id, revision, hash, options, damage."""
+        """All meshes: id, revision, hash, options, damage, owner.
+
+        Of servers that share their meshes, `owner` is the "host:port" of another server that has
+        the mesh, or "none"; hash and options are then not set.
+        """
         return self.call(lambda client: client.list())
 
     def delete(self, name: str) -> None:

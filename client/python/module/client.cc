@@ -20,6 +20,7 @@ py::dict InfoDict(const client::MeshInfo& info) {
   d["hash"] = info.hash.ToHex();
   d["options"] = OptionsDict(info.options);
   d["damage"] = info.damage;
+  d["owner"] = info.owner;
   d["read_only"] = info.read_only;
   return d;
 }

@@ -66,6 +66,7 @@ TEST_F(LeaseKeeperTest, AFailedRenewalIsRepeatedAndAllowsNoReads) {
   LeaseKeeper keeper(milliseconds(3), Calls());
   ASSERT_TRUE(WaitForRenewals(3));
   EXPECT_FALSE(keeper.MayAnswerReads());
+  EXPECT_LT(keeper.Age().count(), 0);
 }
 
 TEST_F(LeaseKeeperTest, ReadsAreAnsweredAfterARenewalAndNotAfterTheEnd) {
@@ -75,6 +76,7 @@ TEST_F(LeaseKeeperTest, ReadsAreAnsweredAfterARenewalAndNotAfterTheEnd) {
     std::this_thread::yield();
   }
   EXPECT_TRUE(keeper.MayAnswerReads());
+  EXPECT_GE(keeper.Age().count(), 0);
   keeper.Stop();
   EXPECT_FALSE(keeper.MayAnswerReads());
   keeper.Stop();

@@ -151,6 +151,93 @@ TEST_F(PostgresLeasesTest, OfManyClaimsAtOnceOneIsGranted) {
   EXPECT_EQ(Sql("SELECT epoch FROM dynmesh.meshes"), absl::StrCat(kRounds + 1));
 }
 
+TEST_F(PostgresLeasesTest, NodesThatAreGoneForADayAreForgotten) {
+  for (const char* node : {"a", "b", "c"}) Renew({node, ""});
+  Sql("UPDATE dynmesh.nodes SET seen = seen - interval '25 hours' WHERE id <> 'b'");
+  Renew({"b", ""});
+  EXPECT_EQ(Sql("SELECT string_agg(id, ' ' ORDER BY id) FROM dynmesh.nodes"), "b");
+  Renew({"c", ""});
+  EXPECT_EQ(Sql("SELECT string_agg(id, ' ' ORDER BY id) FROM dynmesh.nodes"), "b c");
+}
+
+// ------------------------------------------------------------------ the journal with leases
+
+class SharedPostgresTest : public PostgresTest {
+ protected:
+  JournalPtr OpenNode(absl::Duration lease = kTtl) {
+    PostgresOptions options;
+    options.lease = lease;
+    return Open(options);
+  }
+  // "ADDRESS epoch REVISION", "mine ..." or "free ..."
+  static std::string Text(const SharedJournal::Place& place) {
+    const std::string at = place.left <= absl::ZeroDuration() ? "free"
+                           : place.is_mine                    ? "mine"
+                                                              : place.address;
+    return absl::StrCat(at, " ", place.epoch, " ", place.revision);
+  }
+  static std::string Where(PostgresJournal& journal, const std::string& id) {
+    const auto place = journal.Locate(id);
+    return place.ok() ? Text(*place) : std::string(absl::StatusCodeToString(place.status().code()));
+  }
+};
+
+TEST_F(SharedPostgresTest, AJournalWithoutALeaseIsOfOneServer) {
+  EXPECT_EQ(Open()->shared(), nullptr);
+  const JournalPtr node = OpenNode();
+  EXPECT_EQ(node->shared(), node.get());
+}
+
+TEST_F(SharedPostgresTest, AMeshIsItsMakersUntilThatOneGivesItUp) {
+  const JournalPtr a = OpenNode(), b = OpenNode();
+  ASSERT_TRUE(a->Renew("host-a:1").ok());
+  ASSERT_TRUE(b->Renew("host-b:1").ok());
+  const Journal::Key key = *a->Create("m", "description");
+  EXPECT_EQ(*a->Renew("host-a:1"), std::vector<Journal::Key>{key});
+  EXPECT_EQ(Where(*a, "m"), "mine 1 0");
+  EXPECT_EQ(Where(*b, "m"), "host-a:1 1 0");
+  EXPECT_EQ(b->Locate("m")->mesh.description, "description");
+  EXPECT_EQ(b->Locate("m")->mesh.key, key);
+  EXPECT_TRUE(absl::IsAborted(b->Claim(key))) << b->Claim(key);
+  ASSERT_TRUE(a->Append(key, Journal::Entry{1, "x"}, std::nullopt).ok());
+  ASSERT_TRUE(a->GiveUp().ok());
+  EXPECT_EQ(Where(*b, "m"), "free 1 1");
+  ASSERT_TRUE(b->Claim(key).ok());
+  EXPECT_EQ(b->EpochOf(key), 2);
+  EXPECT_EQ(Where(*b, "m"), "mine 2 1");
+  EXPECT_EQ(*b->Renew("host-b:1"), std::vector<Journal::Key>{key});
+  EXPECT_EQ(OutcomeOf(a->Append(key, Journal::Entry{2, "y"}, std::nullopt)),
+            AppendOutcome::kFenced);
+  EXPECT_EQ(a->EpochOf(key), 0);
+  EXPECT_EQ(a->counts().fenced, 1u);
+  ASSERT_TRUE(b->Append(key, Journal::Entry{2, "z"}, std::nullopt).ok());
+}
+
+TEST_F(SharedPostgresTest, AMeshCanBeClaimedWhenItsLeaseHasRunOut) {
+  const JournalPtr a = OpenNode(), b = OpenNode();
+  const Journal::Key key = *a->Create("m", "");
+  Sql("UPDATE dynmesh.meshes SET lease_until = clock_timestamp() - interval '1 second'");
+  EXPECT_EQ(Where(*b, "m"), "free 1 0");
+  EXPECT_TRUE(b->Claim(key).ok());
+  EXPECT_TRUE(absl::IsAborted(a->Claim(key)));
+}
+
+TEST_F(SharedPostgresTest, AllMeshesAreListedInPages) {
+  const JournalPtr a = OpenNode(), b = OpenNode();
+  ASSERT_TRUE(a->Renew("host-a:1").ok());
+  for (const char* id : {"c", "a", "d"}) ASSERT_TRUE(a->Create(id, id).ok());
+  ASSERT_TRUE(b->Create("b", "").ok());
+  const auto ids = [](const absl::StatusOr<std::vector<SharedJournal::Place>>& places) {
+    std::string text;
+    for (const auto& place : *places) absl::StrAppend(&text, place.mesh.id, Text(place), ";");
+    return text;
+  };
+  EXPECT_EQ(ids(b->LocateAll("", 2)), "ahost-a:1 1 0;bmine 1 0;");
+  EXPECT_EQ(ids(b->LocateAll("b", 2)), "chost-a:1 1 0;dhost-a:1 1 0;");
+  EXPECT_EQ(ids(b->LocateAll("d", 2)), "");
+  EXPECT_EQ(Where(*b, "x"), "NOT_FOUND");
+}
+
 TEST_F(PostgresLeasesTest, TheAdditionsAreMadeOnceByServersThatStartTogether) {
   Sql("DROP TABLE dynmesh.nodes; ALTER TABLE dynmesh.meshes DROP COLUMN lease_until");
   std::vector<std::thread> threads;

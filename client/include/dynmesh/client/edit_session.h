@@ -11,7 +11,10 @@
 //
 // One thread may call Send and DoneSending while another calls Receive. The server stops reading
 // while too many answers are not received. So Send blocks a caller that sends many batches without
-// receiving. The destructor cancels unfinished batches. A session does not reconnect.
+// receiving. The destructor cancels unfinished batches. A session does not reconnect. If another
+// server takes the mesh over, its batches are refused with UNAVAILABLE (NOT_OWNER), or the stream
+// ends with UNAVAILABLE; a new session goes to that server. With request ids the batches without an
+// answer can be sent again.
 #ifndef DYNMESH_CLIENT_EDIT_SESSION_H_
 #define DYNMESH_CLIENT_EDIT_SESSION_H_
 

@@ -45,6 +45,9 @@ struct MeshInfo {
   // not recover the mesh. With read_only all fields are set, and acknowledged revisions are lost.
   std::string damage;
   bool read_only = false;  // the server refuses edits: DATA_LOSS (MESH_DAMAGED)
+  // Of ListMeshes, for servers that share their meshes: "HOST:PORT" of another server that has the
+  // mesh, or "none". Then only this, id, create_time and revision are set; GetMesh sets all.
+  std::string owner;
 };
 
 // The state of a mesh of the server.
@@ -96,7 +99,7 @@ struct ClientOptions {
 
 // A server; see mesh_client.h. Errors of every call:
 //   * UNAVAILABLE: the server cannot be reached; DRAINING: it stops; RECOVERING: it reads its
-//     journal; NOT_OWNER: another server has the mesh;
+//     journal; NOT_OWNER: another server has the mesh, and the client did not get there;
 //   * DEADLINE_EXCEEDED: after ClientOptions::timeout;
 //   * UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN), PERMISSION_DENIED (ROLE_MISSING);
 //   * RESOURCE_EXHAUSTED (RATE_LIMIT): too many requests of this client;
@@ -104,14 +107,22 @@ struct ClientOptions {
 //   * NOT_FOUND (MESH_NOT_FOUND, MESH_DELETED), DATA_LOSS (MESH_DAMAGED): of calls on a mesh;
 //   * DATA_LOSS without a reason: the answer is incomplete or damaged.
 //
-// The client never repeats a call. It reconnects to the server by itself, after pauses of 0.1 to 5
-// seconds. If ServiceError::retry_after is set, repeat the call after that time. Changes are safe
-// to repeat with the same request_id; reads always are. Watch and StreamDiffs reconnect and resume
-// by themselves.
+// Several servers may share their meshes; each mesh is at one of them at a time. The client goes to
+// that one by itself, as NOT_OWNER names it, and repeats the call there. If a server that has
+// meshes ends, another one takes them over after some seconds. So, if the client knows several
+// servers, it repeats a call that one of them did not answer at another: reads, and changes with a
+// request_id, some ten seconds long. Apart from that it never repeats a call. A load, and an edit
+// session, are not repeated, but the next one goes to the right server.
+//
+// The client reconnects to a server by itself, after pauses of 0.1 to 5 seconds. If
+// ServiceError::retry_after is set, repeat the call after that time. Changes are safe to repeat
+// with the same request_id; reads always are. Watch and StreamDiffs reconnect and resume by
+// themselves.
 class MeshClient {
  public:
-  // A client of the server at `address` ("host:port"), as `options` say. Never fails: the first
-  // call reports an unreachable server.
+  // A client of the server at `address` ("host:port"), as `options` say; of servers that share
+  // their meshes, some of them with commas between: one that can be reached is enough. Never fails:
+  // the first call reports an unreachable server.
   static std::unique_ptr<MeshClient> Connect(const std::string& address,
                                              const ClientOptions& options = {});
   ~MeshClient();

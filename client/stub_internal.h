@@ -1,0 +1,120 @@
+// The servers that a client knows, and which of them has which mesh. A mesh that several servers
+// share is one server's at a time: the others answer NOT_OWNER and name it. So the client goes
+// there and remembers it; if it cannot be reached, the client asks the others. Includes gRPC, which
+// no public header may do. Thread-safe.
+#ifndef DYNMESH_CLIENT_STUB_INTERNAL_H_
+#define DYNMESH_CLIENT_STUB_INTERNAL_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "dynmesh/v1/mesh_service.grpc.pb.h"
+
+namespace dynmesh::client {
+
+class Stub {
+ public:
+  struct Server {
+    std::string address;
+    std::shared_ptr<grpc::Channel> channel;
+    std::unique_ptr<v1::MeshService::Stub> service;
+
+    // Connects at the next call, however long gRPC would wait after failures: another server says
+    // that this one is there.
+    void ConnectNow() const { grpc::experimental::ChannelResetConnectionBackoff(channel.get()); }
+  };
+  using ServerPtr = std::shared_ptr<const Server>;
+  using Service = v1::MeshService::Stub;
+  // After a call ended: it is over, or to be made again at Of.
+  enum class Next { kOver, kAtOnce, kAfterPause };
+
+  // `addresses`: HOST:PORT, with commas between.
+  Stub(const std::string& addresses, std::shared_ptr<grpc::ChannelCredentials> credentials,
+       const grpc::ChannelArguments& arguments, const std::string& token);
+
+  // The server to ask for the mesh, by its full name; for an empty name one that answers.
+  ServerPtr Of(const std::string& mesh);
+
+  // To be called before the call begins. `redirects`: how often it was sent to another server.
+  void Prepare(grpc::ClientContext& context, absl::Duration timeout = absl::InfiniteDuration(),
+               int redirects = 0) const;
+
+  // A call about `mesh` to the server `asked` ended with `status`. `repeatable`: it may be made
+  // again although it may have had its effect.
+  Next Learn(const std::string& mesh, const Server& asked, const absl::Status& status,
+             bool repeatable);
+
+  // True if there is more than one server.
+  bool is_shared() const;
+
+  // Runs `run(service, context)`, which returns a status or a value, where the mesh is: a bounded
+  // number of times, with pauses, until `timeout`.
+  template <class Run>
+  auto Follow(const std::string& mesh, bool repeatable, absl::Duration timeout, const Run& run);
+
+  // For a call that cannot be made twice: finds the server of the mesh first, if there are several.
+  void Resolve(const std::string& mesh, absl::Duration timeout);
+
+ private:
+  static constexpr int kMostAttempts = 60, kMostAttemptsOfOne = 4;
+
+  static const absl::Status& StatusOf(const absl::Status& status) { return status; }
+  template <class T>
+  static const absl::Status& StatusOf(const absl::StatusOr<T>& value) {
+    return value.status();
+  }
+  ServerPtr AtLocked(const std::string& address);
+  void AvoidLocked(const std::string& mesh, const std::string& address);
+
+  const std::shared_ptr<grpc::ChannelCredentials> credentials_;
+  const grpc::ChannelArguments arguments_;
+  const std::string authorization_;
+
+  mutable std::mutex mutex_;
+  std::vector<std::string> known_;             // given or named by a server
+  std::size_t first_ = 0;                      // of known_: asked for a mesh without a route
+  std::map<std::string, std::string> routes_;  // the address of a mesh's server
+  std::map<std::string, ServerPtr> servers_;   // by address
+};
+
+template <class Run>
+auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeout,
+                  const Run& run) {
+  constexpr absl::Duration kFirst = absl::Milliseconds(20), kLongest = absl::Milliseconds(200);
+  const absl::Time end = absl::Now() + timeout;
+  absl::Duration pause = kFirst;
+  int redirects = 0;
+  for (int attempt = 1;; ++attempt) {
+    const ServerPtr server = Of(mesh);
+    grpc::ClientContext context;
+    Prepare(context, end - absl::Now(), redirects);
+    auto result = run(*server->service, context);
+    const Next next = Learn(mesh, *server, StatusOf(result), repeatable);
+    if (next == Next::kOver) return result;
+    if (attempt >= (is_shared() ? kMostAttempts : kMostAttemptsOfOne)) return result;
+    if (next == Next::kAtOnce) {
+      Of(mesh)->ConnectNow();
+      if (++redirects <= 3) continue;
+    }
+    if (next == Next::kAfterPause) redirects = 0;
+    if (absl::Now() + pause >= end) return result;
+    absl::SleepFor(pause);
+    pause = std::min(1.5 * pause, kLongest);
+  }
+}
+
+}  // namespace dynmesh::client
+
+#endif  // DYNMESH_CLIENT_STUB_INTERNAL_H_

@@ -1,0 +1,95 @@
+#include "server/calls/locate_call.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "proto/codec/grpc_status.h"
+#include "server/calls/asking.h"
+#include "server/calls/requests.h"
+
+namespace dynmesh::server {
+namespace {
+
+// Waits for its turn among the edits, unless it is cancelled. Frees itself.
+class LocateCall final : public grpc::ServerUnaryReactor {
+ public:
+  LocateCall(const MeshRegistry& meshes, Forwarder& forwarder, WorkGate::Ticket ticket,
+             v1::LocatePointsResponse* response, grpc::CallbackServerContext* rpc)
+      : meshes_(meshes),
+        forwarder_(forwarder),
+        ticket_(std::move(ticket)),
+        response_(response),
+        rpc_(rpc) {}
+
+  // Once the mesh is open, or is not.
+  void Begin(const v1::LocatePointsRequest& request,
+             const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+    if (!host.ok()) {
+      return forwarder_.End(host.status(), rpc_, &Forwarder::Async::LocatePoints, &request,
+                            response_, [this](const grpc::Status& end) { Finish(end); });
+    }
+    absl::Status status = CheckLocate(request, (*host)->mesh_options().dimension);
+    if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
+    {
+      const std::lock_guard lock(mutex_);
+      host_ = *host;
+    }
+    const auto cancelled = cancelled_;  // after the submission the call may be answered and gone
+    status =
+        (*host)->Locate({request.coordinates().begin(), request.coordinates().end()}, cancelled,
+                        [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
+    if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
+    if (cancelled->load()) (*host)->Withdraw(cancelled);
+  }
+  void OnCancel() override {
+    cancelled_->store(true);
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void Answer(const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
+    if (answer.ok()) {
+      response_->set_revision(answer->revision);
+      response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
+                                                                answer->simplices.end());
+      response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
+    }
+    ticket_.reset();
+    const absl::Status read = meshes_.CheckRead(host_->id());
+    Finish(codec::ToGrpcStatus(answer.ok() ? read : answer.status()));
+  }
+
+  const MeshRegistry& meshes_;
+  Forwarder& forwarder_;
+  std::mutex mutex_;
+  MeshRegistry::HostPtr host_;  // written under mutex_
+  WorkGate::Ticket ticket_;
+  v1::LocatePointsResponse* const response_;  // as rpc_
+  grpc::CallbackServerContext* const rpc_;    // valid until the call is finished
+  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& forwarder,
+                                          const v1::LocatePointsRequest& request,
+                                          v1::LocatePointsResponse* response,
+                                          WorkGate::Ticket ticket,
+                                          grpc::CallbackServerContext* rpc) {
+  auto* call = new LocateCall(*context.registry, forwarder, std::move(ticket), response, rpc);
+  context.registry->Open(request.mesh(), AskingOf(*rpc),
+                         [call, &request](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+                           call->Begin(request, host);
+                         });
+  return call;
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,217 @@
+#include "server/meshes/mesh_opener.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "proto/codec/status_codec.h"
+#include "server/cluster/placement.h"
+
+namespace dynmesh::server {
+namespace {
+
+// Looking up a mesh and reading it wait for the database.
+constexpr int kThreads = 4;
+// A call that was sent on so often is served here if it can be.
+constexpr int kMostRedirects = 2;
+constexpr int kMostLost = 3;
+// After the end of a lease, for the database's clock to be past it.
+constexpr absl::Duration kPast = absl::Milliseconds(2);
+
+absl::Status NotFound(absl::string_view id) {
+  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
+                   "does not exist: create it, or list those that do");
+}
+
+absl::Status TooLate(absl::string_view id) {
+  return absl::DeadlineExceededError(
+      absl::StrCat(MeshName(id), " was not open in time: nothing was changed"));
+}
+
+bool IsSentOn(const Asking& asking) {
+  return asking.redirects != Asking::kFollowsNone && asking.redirects < kMostRedirects;
+}
+
+}  // namespace
+
+MeshOpener::MeshOpener(SharedJournal* journal, std::string address, Load load)
+    : journal_(journal),
+      address_(std::move(address)),
+      load_(std::move(load)),
+      pool_(kThreads),
+      timer_([this] { RunTimer(); }) {}
+
+void MeshOpener::Open(const std::string& id, const Asking& asking, Done done) {
+  absl::Status closed;
+  {
+    const std::lock_guard lock(mutex_);
+    closed = closed_;
+    if (closed.ok()) {
+      Opening& opening = openings_[id];
+      opening.waiters.push_back({asking, std::move(done)});
+      if (opening.waiters.size() == 1 && !opening.running) {
+        opening.running = true;
+        pool_.Post([this, id] { Step(id); });
+      }
+      changed_.notify_one();  // it may have the earliest deadline
+    }
+  }
+  if (!closed.ok()) done(closed);
+}
+
+std::vector<MeshOpener::Waiter> MeshOpener::Take(
+    Opening& opening, const std::function<bool(const Waiter&)>& is_meant) {
+  const auto first = std::stable_partition(opening.waiters.begin(), opening.waiters.end(),
+                                           [&](const Waiter& w) { return !is_meant(w); });
+  std::vector<Waiter> taken(std::make_move_iterator(first),
+                            std::make_move_iterator(opening.waiters.end()));
+  opening.waiters.erase(first, opening.waiters.end());
+  return taken;
+}
+
+void MeshOpener::Step(const std::string& id) {
+  bool claims = false;
+  int lost = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    Opening& opening = openings_[id];
+    lost = opening.lost;
+    claims = opening.waited || std::any_of(opening.waiters.begin(), opening.waiters.end(),
+                                           [](const Waiter& w) { return !IsSentOn(w.asking); });
+    if (opening.waiters.empty()) {
+      openings_.erase(id);
+      return;
+    }
+  }
+  Found found = Look(id, claims, lost);
+  std::vector<Waiter> answered;
+  {
+    const std::lock_guard lock(mutex_);
+    Opening& opening = openings_[id];
+    if (found.again > Clock::duration::zero()) {
+      if (absl::IsAborted(found.answer.status())) {
+        ++opening.lost;
+      } else {
+        opening.waited = true;
+      }
+      opening.running = false;
+      opening.next = Clock::now() + found.again;
+      changed_.notify_one();
+    } else {
+      answered = Take(opening, [&found](const Waiter& w) {
+        return !found.only_followers || IsSentOn(w.asking);
+      });
+      opening.running = !opening.waiters.empty();
+      if (opening.running) {
+        pool_.Post([this, id] { Step(id); });
+      } else {
+        openings_.erase(id);
+      }
+    }
+  }
+  for (const Waiter& waiter : answered) waiter.done(found.answer);
+}
+
+MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, int lost) {
+  const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
+  if (absl::IsNotFound(place.status())) return {NotFound(id)};
+  if (!place.ok()) return {JournalError(place.status(), id)};
+  Found found = LookAt(id, *place, claims);
+  // The next look finds the node that was granted the claim.
+  if (absl::IsAborted(found.answer.status()) && !codec::GetServiceError(found.answer.status())) {
+    if (lost < kMostLost) {
+      found.again = std::chrono::milliseconds(1);
+    } else {
+      found.answer = NotOwnerError(id);
+    }
+  }
+  return found;
+}
+
+MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal::Place& place,
+                                     bool claims) {
+  const absl::Duration lease = journal_->lease();
+  const bool is_held = !place.is_mine && place.left > absl::ZeroDuration();
+  // An owner that renews leaves about half of it (lease_keeper.h).
+  if (is_held && place.left > 0.4 * lease) {
+    return {NotOwnerError(id, {place.address, place.epoch})};
+  }
+  if (!place.is_mine && !claims) {
+    const std::string chosen = Chosen(id, place.address);
+    if (chosen != address_) {
+      return {NotOwnerError(id, {chosen, place.epoch}), /*only_followers=*/true};
+    }
+  }
+  if (is_held) {
+    const absl::Duration again = std::min(place.left + kPast, lease / 10);
+    return {HostPtr(), false, absl::ToChronoNanoseconds(again)};
+  }
+  return {load_(place.mesh)};
+}
+
+std::string MeshOpener::Chosen(const std::string& id, const std::string& owner) const {
+  absl::StatusOr<std::vector<std::string>> nodes = journal_->LiveNodes();
+  if (!nodes.ok()) return address_;
+  if (owner != address_) std::erase(*nodes, owner);
+  const auto chosen = ChooseNode(*nodes, id);
+  return chosen.has_value() ? (*nodes)[*chosen] : address_;
+}
+
+void MeshOpener::RunTimer() {
+  std::unique_lock lock(mutex_);
+  while (!stopped_) {
+    const Clock::time_point now = Clock::now();
+    Clock::time_point next = now + std::chrono::hours(1);
+    std::vector<std::pair<std::string, Done>> late;
+    for (auto& [id, opening] : openings_) {
+      for (Waiter& waiter :
+           Take(opening, [now](const Waiter& w) { return w.asking.deadline <= now; })) {
+        late.emplace_back(id, std::move(waiter.done));
+      }
+      for (const Waiter& waiter : opening.waiters) next = std::min(next, waiter.asking.deadline);
+      if (opening.running) continue;
+      if (opening.next <= now) {
+        opening.running = true;
+        pool_.Post([this, id = id] { Step(id); });
+      } else {
+        next = std::min(next, opening.next);
+      }
+    }
+    if (!late.empty()) {
+      lock.unlock();
+      for (const auto& [id, done] : late) done(TooLate(id));
+      late.clear();
+      lock.lock();
+      continue;
+    }
+    changed_.wait_until(lock, next);
+  }
+}
+
+void MeshOpener::Close(const absl::Status& status) {
+  std::vector<Waiter> waiters;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_.ok()) closed_ = status;
+    for (auto& [id, opening] : openings_) {
+      for (Waiter& waiter : Take(opening, [](const Waiter&) { return true; })) {
+        waiters.push_back(std::move(waiter));
+      }
+    }
+  }
+  for (const Waiter& waiter : waiters) waiter.done(status);
+}
+
+void MeshOpener::Stop() {
+  Close(absl::UnavailableError("the server has ended"));
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(stopped_, true)) return;
+  }
+  changed_.notify_all();
+  timer_.join();
+  pool_.Stop();
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,221 @@
+// The part of MeshRegistry for a journal that several servers share.
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "proto/codec/status_codec.h"
+#include "server/base/log.h"
+#include "server/cluster/placement.h"
+#include "server/meshes/mesh_registry.h"
+#include "server/meshes/recovery.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr std::size_t kPage = 1'000;
+
+absl::Status Lost() { return absl::AbortedError("another server has the mesh"); }
+
+}  // namespace
+
+absl::Status MeshRegistry::Join(const std::string& address, std::function<bool()> reads) {
+  shared_ = journal_ == nullptr ? nullptr : journal_->shared();
+  if (shared_ == nullptr) {
+    return absl::FailedPreconditionError("node-address: the journal is of one server");
+  }
+  address_ = address;
+  reads_ = std::move(reads);
+  opener_ = std::make_unique<MeshOpener>(
+      shared_, address_, [this](const Journal::Mesh& mesh) { return LoadShared(mesh); });
+  if (absl::Status s = Renew(); !s.ok()) return s;
+  return OpenChosen();
+}
+
+// The free meshes of this node. They are opened while calls are answered.
+absl::Status MeshRegistry::OpenChosen() {
+  const absl::StatusOr<std::vector<std::string>> nodes = shared_->LiveNodes();
+  if (!nodes.ok()) return nodes.status();
+  std::string after;
+  while (true) {
+    const absl::StatusOr<std::vector<SharedJournal::Place>> places =
+        shared_->LocateAll(after, kPage);
+    if (!places.ok()) return places.status();
+    for (const SharedJournal::Place& place : *places) {
+      after = place.mesh.id;
+      const auto chosen = ChooseNode(*nodes, place.mesh.id);
+      if (place.left > absl::ZeroDuration()) continue;
+      if (chosen.has_value() && (*nodes)[*chosen] != address_) continue;
+      opener_->Open(place.mesh.id, {}, [](const absl::StatusOr<HostPtr>&) {});
+    }
+    if (places->size() < kPage) return absl::OkStatus();
+  }
+}
+
+absl::Status MeshRegistry::Renew() {
+  // What was here before the renewal was sent is either among those renewed, or lost.
+  std::vector<std::pair<std::string, Held>> before;
+  {
+    const std::lock_guard lock(mutex_);
+    before.assign(hosts_.begin(), hosts_.end());
+  }
+  const absl::StatusOr<std::vector<Journal::Key>> renewed = shared_->Renew(address_);
+  if (!renewed.ok()) return renewed.status();
+  for (const auto& [id, held] : before) {
+    const bool is_mine = std::binary_search(renewed->begin(), renewed->end(), held.key);
+    const bool is_done = held.host != nullptr && held.host->disowned();
+    if (!is_mine || is_done) Drop(id, held.host, Lost());
+  }
+  return absl::OkStatus();
+}
+
+void MeshRegistry::Drop(const std::string& id, const HostPtr& host, const absl::Status& why) {
+  if (host != nullptr) host->StepDown(why);
+  const std::lock_guard lock(mutex_);
+  const auto it = hosts_.find(id);
+  if (it == hosts_.end() || it->second.host != host) return;
+  hosts_.erase(it);
+  // A large mesh takes long to free.
+  writers_->Post([host] {});
+}
+
+void MeshRegistry::Open(absl::string_view name, const Asking& asking, MeshOpener::Done done) {
+  absl::StatusOr<HostPtr> here = Find(name);
+  if (opener_ == nullptr || here.ok()) return done(std::move(here));
+  const absl::StatusOr<std::string> id = ParseMeshName(name);
+  HostPtr gone;
+  bool is_here = !id.ok();  // a malformed name is answered here, too
+  if (id.ok()) {
+    const std::lock_guard lock(mutex_);
+    if (const auto it = hosts_.find(*id); it != hosts_.end()) {
+      if (it->second.host != nullptr && it->second.host->disowned()) {
+        gone = it->second.host;
+      } else {
+        is_here = true;  // damaged, or opened meanwhile
+      }
+    }
+  }
+  if (is_here) return done(Find(name));
+  if (gone != nullptr) Drop(*id, gone, Lost());
+  opener_->Open(*id, asking, std::move(done));
+}
+
+absl::StatusOr<std::vector<MeshRegistry::Listed>> MeshRegistry::ListAll(
+    absl::string_view after, std::size_t limit,
+    const std::function<bool(absl::string_view)>& shown) const {
+  std::vector<Listed> listed;
+  std::string last(after);
+  while (true) {
+    const absl::StatusOr<std::vector<SharedJournal::Place>> places =
+        shared_->LocateAll(last, kPage);
+    if (!places.ok()) {
+      return absl::Status(places.status().code(),
+                          absl::StrCat("the meshes cannot be listed: ", places.status().message()));
+    }
+    for (const SharedJournal::Place& place : *places) {
+      const std::string& id = last = place.mesh.id;
+      if (listed.size() == limit) return listed;
+      if (shown != nullptr && !shown(id)) continue;
+      listed.push_back(ListedOf(place));
+    }
+    if (places->size() < kPage) return listed;
+  }
+}
+
+MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Place& place) const {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = hosts_.find(place.mesh.id);
+    if (it != hosts_.end() && (it->second.host == nullptr || !it->second.host->disowned())) {
+      return {it->first, it->second.host, it->second.damage, "", 0, {}};
+    }
+  }
+  const auto made = codec::DecodeJournalMesh(place.mesh.description);
+  if (!place.mesh.damage.ok() || !made.ok()) {
+    const absl::Status& why = place.mesh.damage.ok() ? made.status() : place.mesh.damage;
+    return {place.mesh.id, nullptr, DamageOf(place.mesh.id, why), "", 0, {}};
+  }
+  const bool is_held = place.left > absl::ZeroDuration() && !place.address.empty();
+  return {place.mesh.id,  nullptr,          absl::OkStatus(), is_held ? place.address : "none",
+          place.revision, made->create_time};
+}
+
+absl::StatusOr<Journal::Key> MeshRegistry::KeyElsewhere(const std::string& id) const {
+  const absl::Status missing = MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound,
+                                         id, "does not exist: create it, or list those that do");
+  if (shared_ == nullptr) return missing;
+  const absl::StatusOr<SharedJournal::Place> place = shared_->Locate(id);
+  if (absl::IsNotFound(place.status())) return missing;
+  if (!place.ok()) return JournalError(place.status(), id);
+  if (place->is_mine || place->left <= absl::ZeroDuration()) return place->mesh.key;
+  return NotOwnerError(id, {place->address, place->epoch});
+}
+
+void MeshRegistry::FindMade(const absl::StatusOr<HostPtr>& created, const MeshOptions& options,
+                            const std::string& request_id, const Asking& asking,
+                            MeshOpener::Done done) {
+  const auto error = codec::GetServiceError(created.status());
+  if (opener_ == nullptr || request_id.empty() || !error.has_value() ||
+      error->reason != codec::reason::kMeshExists) {
+    return done(created);
+  }
+  Open(error->metadata.at("mesh"), asking,
+       [=, this, done = std::move(done)](const absl::StatusOr<HostPtr>& opened) {
+         if (!opened.ok()) return done(opened);
+         absl::StatusOr<HostPtr> made = HostPtr();
+         {
+           const std::lock_guard lock(mutex_);
+           made = FindCreated((*opened)->id(), options, request_id);
+         }
+         const bool is_other = made.ok() && *made == nullptr;
+         done(is_other ? created : made);
+       });
+}
+
+absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Mesh& mesh) {
+  {
+    // Waits for a mesh that is being made: it is in the journal before it is here.
+    const std::lock_guard changing(changing_mutex_);
+    const std::lock_guard lock(mutex_);
+    const auto it = hosts_.find(mesh.id);
+    if (it != hosts_.end() && it->second.key == mesh.key && it->second.host != nullptr &&
+        !it->second.host->disowned()) {
+      return it->second.host;
+    }
+  }
+  const absl::Time start = absl::Now();
+  absl::StatusOr<RecoveredMesh> found =
+      RecoverMesh(*journal_, mesh, factory_, HostOptions(), [] {});
+  if (found.ok()) return Put(mesh, *std::move(found), start);
+  const absl::Status& why = found.status();
+  if (absl::IsAborted(why)) return why;
+  if (absl::IsUnavailable(why) || absl::IsNotFound(why)) return JournalError(why, mesh.id);
+  Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", why.message()}});
+  const absl::Status damage = DamageOf(mesh.id, why);
+  const std::lock_guard lock(mutex_);
+  hosts_.insert_or_assign(mesh.id, Held{nullptr, damage, mesh.key, {}});
+  return damage;
+}
+
+absl::Status MeshRegistry::CheckRead(absl::string_view id) const {
+  if (reads_ == nullptr || reads_()) return absl::OkStatus();
+  return UnconfirmedError(id);
+}
+
+void MeshRegistry::CloseOpening(const absl::Status& status) {
+  if (opener_ != nullptr) opener_->Close(status);
+}
+
+std::int64_t MeshRegistry::EpochOf(const std::string& id) const {
+  if (shared_ == nullptr) return 0;
+  Journal::Key key = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = hosts_.find(id);
+    if (it == hosts_.end()) return 0;
+    key = it->second.key;
+  }
+  return shared_->EpochOf(key);
+}
+
+}  // namespace dynmesh::server
