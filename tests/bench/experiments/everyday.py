@@ -43,7 +43,7 @@ all programs. The script also checks that all programs mesh the same area or vol
 | 30° | `mesh F --inside -q 30` | {{thirty}} | |
 | size | `mesh F --inside -q 30 -a A`, in 3D `--inside --max-volume V` | {{size}}`-pq2/10aV` | the edge of a regular cell of size A or V |
 
-A dash: the program refuses the input, as dynmesh does where edges or facets of 3D meet at less than 60 degrees.
+A dash: the program refuses the input (docs/input.md has the angles that dynmesh wants in 3D).
 A and V are the area and volume of the box around the input / {CELLS:,}. Gmsh takes no bound on angles or sizes.
 It meshes surfaces, and outlines that are disjoint loops. Where more than two segments meet in a point, as in
 `hex20`, `land110` and the states, its input would have to be made by hand, from faces.
