@@ -61,11 +61,12 @@ std::size_t CountPolygons(const std::vector<Feature>& features) {
       std::ranges::count(features, FeatureKind::kPolygon, &Feature::kind));
 }
 
-void AdviseMerging(const Input& input) {
+// If that helps.
+void AdviseMerging(const Input& input, const DynamicMesh& mesh) {
   const auto merged = coplanar::MergeCoplanar(input.features);
   if (!merged.ok()) return;
   const std::size_t before = CountPolygons(input.features), after = CountPolygons(*merged);
-  if (after == before) return;
+  if (after == before || !mesh.Validate(AddAll(*merged)).ok()) return;
   PrintWarning(Concat(before, " faces lie in ", after,
                       " planes: --merge-coplanar joins them, and takes away the angles between "
                       "their inner edges"));
@@ -94,7 +95,7 @@ int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged
     PrintWarning(Concat(status.ok() ? "" : "at least ", count, " refusals",
                         count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
   }
-  if (input.options.dimension == 3 && !is_merged) AdviseMerging(input);
+  if (input.options.dimension == 3 && !is_merged) AdviseMerging(input, **mesh);
   return code;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/angles.h"
 #include "core/plc/size_rules.h"
 
 namespace dynmesh::plc {
@@ -156,6 +157,15 @@ const std::vector<Point3>* OnlyRing(const Facet& f) {
   return f.feature().positions.size() == 1 ? &f.feature().positions.front() : nullptr;
 }
 
+// Does an angle of the ring make triangles near it exempt from the quality (shells.h)?
+bool HasSharpCorner(const std::vector<Point3>& ring) {
+  const std::size_t n = ring.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (geometry::IsSmallAngle(ring[i], ring[(i + 1) % n], ring[(i + n - 1) % n])) return true;
+  }
+  return false;
+}
+
 double NormOf(const Vector3& v) { return std::sqrt(Dot(v, v)); }
 
 Vector3 Cross(const Vector3& a, const Vector3& b) {
@@ -289,6 +299,7 @@ double LeastDistance(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
 double LeastVerticesOn(const Facet& f, const Facet& g, double quality, double limit) {
   const std::vector<Point3>*const below = OnlyRing(f), *const above = OnlyRing(g);
   if (below == nullptr || above == nullptr) return 0;
+  if (HasSharpCorner(*below) || HasSharpCorner(*above)) return 0;
   const double cosine = std::abs(Dot(f.plane().normal, g.plane().normal));
   if (!(cosine > 0.5)) return 0;
   double least = INFINITY, most = -INFINITY;

@@ -24,7 +24,8 @@
 // x of it from the nearest vertex w, which is on the facet. The ray from w that rises at 45 degrees
 // towards x meets the other facet after sqrt 2 g. As before, R <= 2 sqrt 2 rho^2 g for the
 // tetrahedron at w along that ray. The ball of radius d about x is empty, so R >= d / sqrt 2. Hence
-// discs of radius 4 rho^2 g about its vertices cover the facet.
+// discs of radius 4 rho^2 g about its vertices cover the facet. There is no bound if one of the
+// facets has a sharp corner: the quality is not promised there.
 //
 // Pure functions of the features, thread-safe; for segments the same to the bit for both orders of
 // the ends.

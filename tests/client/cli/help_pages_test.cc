@@ -115,16 +115,21 @@ TEST_F(HelpPages, AllRefusalsAreCountedAndTheFirstTenTold) {
 }
 
 TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
-  folder_.Write("c.off",
-                "OFF\n8 12 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"
-                "3 0 1 2\n3 0 2 3\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
-                "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+  // A low wall at 80 degrees over a floor. Cut into triangles it has an edge that leans.
+  const std::string corners = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.07 0.4\n0 0.07 0.4\n";
+  folder_.Write("c.off", "OFF\n6 3 0\n" + corners + "4 0 1 2 3\n3 0 1 4\n3 0 4 5\n");
   const Outcome refused = Run("mesh c.off");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_NE(refused.err.find("12 faces lie in 6 planes: --merge-coplanar joins them"),
+  EXPECT_NE(refused.err.find("3 faces lie in 2 planes: --merge-coplanar joins them"),
             std::string::npos)
       << refused.err;
   EXPECT_EQ(Run("mesh c.off --merge-coplanar").code, 0);
+  // At 60 degrees it would not help.
+  const std::string sharp = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.25 0.4\n0 0.25 0.4\n";
+  folder_.Write("s.off", "OFF\n6 3 0\n" + sharp + "4 0 1 2 3\n3 0 1 4\n3 0 4 5\n");
+  const Outcome hopeless = Run("mesh s.off");
+  EXPECT_EQ(hopeless.code, 2);
+  EXPECT_EQ(hopeless.err.find("--merge-coplanar"), std::string::npos) << hopeless.err;
 }
 
 }  // namespace

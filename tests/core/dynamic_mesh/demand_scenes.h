@@ -203,6 +203,18 @@ class Scenes {
     }
   }
 
+  // Narrow triangles above each other.
+  void Blades() {
+    const double gap = Log(0.004, 0.02), length = Uniform(0.3, 0.6), turn = Log(0.001, 0.9);
+    const int n = Count(2, 4);
+    double z = 0.3;
+    for (int i = 0; i < n; ++i, z += gap * Uniform(0.6, 2)) {
+      const FeatureId a = Point(0.2, 0.2, z), b = Point(0.2 + length, 0.2, z),
+                      c = Point(0.2 + length * std::cos(turn), 0.2 + length * std::sin(turn), z);
+      Polygon({{a, b, c}});
+    }
+  }
+
   std::vector<Feature> features;
 
  private:

@@ -110,6 +110,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
 TEST(LeastVertices, AreNeverMoreThanThereAreAtSharpAngles) {
   ExpectNeverTooHigh<2>("zigzags", kPlanar, 150, [](Scenes& s) { s.Zigzags(); });
   ExpectNeverTooHigh<2>("fans", kPlanar, 60, [](Scenes& s) { s.Fan(); });
+  ExpectNeverTooHigh<3>("blades", kSpatial, 16, [](Scenes& s) { s.Blades(); });
 }
 
 TEST(LeastVertices, AreNeverMoreThanThereAreInSpace) {

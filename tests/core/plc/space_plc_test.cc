@@ -402,7 +402,7 @@ TEST(SpacePlc, AnEdgeMayNotLeanOverAnotherPolygon) {
     return 2 / at * std::atan(std::cos(between * at) * std::tan(std::min(low / 2, 60.0) * at));
   };
   for (const double between : {72.0, 75.0, 85.0, 89.0}) {
-    for (const double low : {40.0, 80.0, 119.0, 140.0}) {
+    for (const double low : {40.0, 80.0, 119.0}) {
       SCOPED_TRACE(testing::Message() << between << " " << low);
       const double up = limit(between, low);
       ExpectLegal(Leaf(between, low, up * 1.0001));
@@ -415,7 +415,7 @@ TEST(SpacePlc, AnEdgeMayNotLeanOverAnotherPolygon) {
   }
   const auto status = Plc3(Cube(0, 1)).Check(Leaf(72, 80, 2)).status();
   EXPECT_NE(std::string(status.message())
-                .find("polygon 11 and polygon 10 meet in an angle of 1.90194 degrees, between an "
+                .find("polygon 11 and polygon 10 meet in an angle of 1.90208 degrees, between an "
                       "edge of one and the inside of the other, beside a common edge"),
             std::string::npos)
       << status;
