@@ -35,7 +35,7 @@ class ClusterTest : public ::testing::Test {
 
   std::vector<std::string> Flags() const {
     return {"--journal", database_.Url("postgres"), "--node-address", "127.0.0.1", "--lease",
-            lease_,      "--compact-bytes",         "20000"};
+            lease_,      "--compact-bytes",         "4000"};
   }
   void StartNodes(int count, const std::vector<std::string>& more = {}) {
     std::vector<std::string> flags = Flags();
