@@ -1,10 +1,7 @@
 #include "core/plc/messages.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,9 +12,9 @@
 #include "absl/strings/str_join.h"
 #include "core/base/rings.h"
 #include "core/base/size_shapes.h"
-#include "core/geometry/constructions.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/least_vertices.h"
+#include "core/plc/message_parts.h"
 #include "core/plc/size_rules.h"
 #include "core/plc/text.h"
 #include "core/plc/validation_terms.h"
@@ -26,218 +23,14 @@
 namespace dynmesh::plc {
 namespace {
 
-using geometry::Cross;
-using geometry::Difference;
-using geometry::Dot;
 using geometry::Point;
-using geometry::Vector3;
-using plc::Text;
 
 // The most features that an error names; enough for a client to act on.
 constexpr std::size_t kMostNamed = 16;
 // Targets of sizing features, in units of the least distance between features.
 constexpr double kLeastTargetLimits = 64;
 
-template <int D>
-std::string Text(const PointFeature<D>& f) {
-  return absl::StrCat("point ", f.id, " ", Text(f.p));
-}
-
-template <int D>
-std::string Text(const SegmentFeature<D>& f) {
-  return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ",
-                      f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
-}
-
-std::string Text(const Facet& f) { return absl::StrCat("polygon ", f.id()); }
-
-template <int D>
-std::string Text(const AnyFeature<D>& f) {
-  return std::visit([](const auto& x) { return Text(x); }, f);
-}
-
-template <int D>
-FeatureId IdOf(const AnyFeature<D>& f) {
-  if (const Facet* facet = std::get_if<Facet>(&f)) return facet->id();
-  if (const auto* point = std::get_if<PointFeature<D>>(&f)) return point->id;
-  return std::get<SegmentFeature<D>>(f).id;
-}
-
-absl::Status Error(absl::StatusCode code, const char* reason, std::vector<FeatureId> features,
-                   EditIndex edit, std::string message) {
-  ErrorDetail detail{reason, std::move(features), std::nullopt};
-  if (edit != kUntouched) detail.edit = static_cast<std::size_t>(edit);
-  return MakeError(code, std::move(message), std::move(detail));
-}
-
-// The intersection of two segments: rounded, on the first. They are neither parallel nor apart.
-Point<2> CrossingOf(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
-  const double before = Cross(t.p, t.q, s.p), after = Cross(t.p, t.q, s.q);
-  const double along = before / (before - after);
-  return {{s.p[0] + along * (s.q[0] - s.p[0]), s.p[1] + along * (s.q[1] - s.p[1])}};
-}
-
-// The 3D segments intersect in one plane. The two normals of t with the ends of s both lie along
-// that of the plane, in opposite directions.
-Point<3> CrossingOf(const SegmentFeature<3>& s, const SegmentFeature<3>& t) {
-  const Vector3 v = Difference(t.q.c, t.p.c);
-  const Vector3 before = Cross(v, Difference(s.p.c, t.p.c));
-  const Vector3 after = Cross(v, Difference(s.q.c, t.p.c));
-  const Vector3 both = Difference(before, after);
-  const double along = std::clamp(Dot(before, both) / Dot(both, both), 0.0, 1.0);
-  Point<3> p;
-  for (int i = 0; i < 3; ++i) p[i] = s.p[i] + along * (s.q[i] - s.p[i]);
-  return p;
-}
-
-// The intersection of a segment with a facet's plane; none if it lies in the plane or does not
-// reach it.
-std::optional<Point<3>> PassageOf(const SegmentFeature<3>& s, const Facet& facet) {
-  const double before = facet.plane().Height(s.p), after = facet.plane().Height(s.q);
-  if (!(before * after < 0)) return std::nullopt;
-  const double along = before / (before - after);
-  Point<3> p;
-  for (int i = 0; i < 3; ++i) p[i] = s.p[i] + along * (s.q[i] - s.p[i]);
-  return p;
-}
-
-// The position of a conflict, if the features' own positions do not show it.
-template <int D>
-std::optional<Point<D>> PositionOf(Conflict conflict, const AnyFeature<D>& a,
-                                   const AnyFeature<D>& b) {
-  const auto* s = std::get_if<SegmentFeature<D>>(&a);
-  const auto* t = std::get_if<SegmentFeature<D>>(&b);
-  if (conflict == Conflict::kSegmentsCross) return CrossingOf(*s, *t);
-  if constexpr (D == 3) {
-    if (conflict == Conflict::kSegmentMeetsPolygon) {
-      const Facet& facet = std::get<Facet>(s == nullptr ? a : b);
-      return PassageOf(s == nullptr ? *t : *s, facet);
-    }
-  }
-  return std::nullopt;
-}
-
-// The angle between two segments that share an end, for messages.
-template <int D>
-std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
-  const bool s_from_p = s.p_id == t.p_id || s.p_id == t.q_id;
-  const FeatureId apex = s_from_p ? s.p_id : s.q_id;
-  const Point<D>& at = s_from_p ? s.p : s.q;
-  const Point<D>& a = s_from_p ? s.q : s.p;
-  const Point<D>& b = t.p_id == apex ? t.q : t.p;
-  double dot = 0, cross2 = 0;
-  for (int i = 0; i < D; ++i) {
-    dot += (a[i] - at[i]) * (b[i] - at[i]);
-    for (int j = i + 1; j < D; ++j) {
-      const double minor = (a[i] - at[i]) * (b[j] - at[j]) - (a[j] - at[j]) * (b[i] - at[i]);
-      cross2 += minor * minor;
-    }
-  }
-  const double angle = std::atan2(std::sqrt(cross2), dot);
-  return absl::StrFormat("%.6g degrees at point %d %s", angle * 180 / std::numbers::pi, apex,
-                         Text(at));
-}
-
-// The angle between two features, and the least allowed one.
-template <int D>
-std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
-  const auto* s = std::get_if<SegmentFeature<D>>(&a);
-  const auto* t = std::get_if<SegmentFeature<D>>(&b);
-  if (s != nullptr && t != nullptr) {
-    return absl::StrCat(AngleText<D>(*s, *t),
-                        "; at least 0.001 are needed: move an end, or remove one of them");
-  }
-  double angle = 0;
-  if constexpr (D == 3) {
-    const auto* f = std::get_if<Facet>(&a);
-    const auto* g = std::get_if<Facet>(&b);
-    if (f != nullptr && g != nullptr) {
-      const double lean = LeastLean(*f, *g);
-      if (lean < 180 && !(LeastAngle(*f, *g) < kLeastFacetAngle)) {
-        return absl::StrFormat(
-            "%.6g degrees, between an edge of one and the inside of the other, beside a common "
-            "edge; where polygons meet at less than 90 degrees, no edge may be nearer to the other "
-            "polygon's inside than that one's edges are: move corners, or remove one of them",
-            lean);
-      }
-    }
-    angle = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
-            : f != nullptr               ? LeastAngle(*t, *f)
-                                         : LeastAngle(*s, *g);
-  }
-  return absl::StrFormat(
-      "%.6g degrees; at least %g are needed: move corners, or remove one of them", angle,
-      kLeastFacetAngle);
-}
-
-struct Verdict {
-  const char* reason;
-  std::string message;
-};
-
-template <int D>
-Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b, double limit) {
-  const FeatureId b_id = IdOf<D>(b);
-  const std::optional<Point<D>> position = PositionOf<D>(conflict, a, b);
-  const std::string at = position.has_value() ? " at " + Text(*position) : "";
-  const std::string pair = absl::StrCat(Text<D>(a), " and ", Text<D>(b));
-  switch (conflict) {
-    case Conflict::kDuplicatePoint:
-      return {reason::kDuplicatePoint,
-              absl::StrCat(pair, " have the same coordinates; use point ", b_id,
-                           " instead, or remove it in the same batch")};
-    case Conflict::kDuplicateSegment:
-      return {reason::kDuplicateSegment,
-              absl::StrCat(pair, " join the same points; leave one of them out")};
-    case Conflict::kSegmentsOverlap:
-      return {reason::kSegmentsOverlap,
-              absl::StrCat(pair, " overlap; end them where they part and add what they share as a ",
-                           "segment of its own, once")};
-    case Conflict::kPointOnSegment:
-      return {
-          reason::kPointOnSegment,
-          absl::StrCat(pair, " touch: the point lies in the inside of the segment; replace the ",
-                       "segment by two that end at the point")};
-    case Conflict::kSegmentsCross:
-      return {reason::kSegmentsCross,
-              absl::StrCat(pair, " cross", at, "; add a point there and split both, or remove ",
-                           "feature ", b_id, " in the same batch")};
-    case Conflict::kDuplicatePolygon:
-      return {reason::kDuplicatePolygon,
-              absl::StrCat(pair, " have the same edges; leave one of them out")};
-    case Conflict::kPointOnPolygon:
-      return {reason::kPointOnPolygon,
-              absl::StrCat(pair, " touch: the point lies in the inside of the polygon; make it a ",
-                           "corner: cut the polygon into some that meet there, or move it away")};
-    case Conflict::kSegmentMeetsPolygon:
-      return {reason::kSegmentMeetsPolygon,
-              absl::StrCat(
-                  pair, " meet in the inside of the polygon", at, "; cut the polygon so that the ",
-                  "segment, or the point where it passes, is on its rings, or remove one")};
-    case Conflict::kPolygonsMeet:
-      return {
-          reason::kPolygonsMeet,
-          absl::StrCat(pair, " have more in common than corners and edges; cut them where they ",
-                       "meet, with what they share as a polygon of its own, once")};
-    case Conflict::kSmallAngle:
-      return {reason::kSmallAngle,
-              absl::StrCat(pair, " meet in an angle of ", SmallAngleText<D>(a, b))};
-    default:
-      return {reason::kTooClose,
-              absl::StrCat(pair, " are nearer than ", Shortest(limit),
-                           ", the least distance in this mesh; move them apart or make them one")};
-  }
-}
-
 }  // namespace
-
-template <int D>
-absl::Status ConflictError(Conflict conflict, const AnyFeature<D>& offender,
-                           const AnyFeature<D>& other, double limit, EditIndex edit) {
-  Verdict verdict = Explain<D>(conflict, offender, other, limit);
-  return Error(absl::StatusCode::kFailedPrecondition, verdict.reason,
-               {IdOf<D>(offender), IdOf<D>(other)}, edit, std::move(verdict.message));
-}
 
 absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
   const auto refuse = [&](std::vector<FeatureId> features, const std::string& what) {
@@ -486,10 +279,6 @@ absl::Status InterruptedError() {
                    {reason::kCancelled, {}, {}});
 }
 
-template absl::Status ConflictError<2>(Conflict, const AnyFeature<2>&, const AnyFeature<2>&, double,
-                                       EditIndex);
-template absl::Status ConflictError<3>(Conflict, const AnyFeature<3>&, const AnyFeature<3>&, double,
-                                       EditIndex);
 template absl::Status SizeDemandError(const SizeFeature<2>&, double, double, const MeshOptions&,
                                       EditIndex);
 template absl::Status SizeDemandError(const SizeFeature<3>&, double, double, const MeshOptions&,
