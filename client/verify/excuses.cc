@@ -1,8 +1,8 @@
 #include "client/verify/excuses.h"
 
 #include <cmath>
-#include <numeric>
 
+#include "core/base/union_find.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 
@@ -11,24 +11,27 @@ namespace dynmesh::cli {
 Excuses::Excuses(const io::IndexedMesh& mesh, double ulp)
     : mesh_(mesh), tolerance_(16 * ulp), segment_(mesh.vertices.size()) {
   // Subsegments with a common vertex inside a segment are of the same segment.
-  std::iota(segment_.begin(), segment_.end(), 0u);
+  UnionFind segments(mesh.vertices.size());
   const auto is_inner = [&](std::uint32_t v) { return mesh.vertices[v].containing_dimension == 1; };
   const auto is_input = [](const auto& e) {
     return e.owner != kNoFeature && e.owner != kBoxFeature;
   };
   for (const auto& e : mesh.edges) {
-    if (is_input(e) && is_inner(e.a) && is_inner(e.b)) segment_[SegmentOf(e.a)] = SegmentOf(e.b);
+    if (is_input(e) && is_inner(e.a) && is_inner(e.b)) segments.Unite(e.a, e.b);
+  }
+  for (std::size_t v = 0; v < segment_.size(); ++v) {
+    segment_[v] = static_cast<std::uint32_t>(segments.Find(v));
   }
   for (const auto& e : mesh.edges) {
     if (!is_input(e) || is_inner(e.a) == is_inner(e.b)) continue;
-    ends_[SegmentOf(is_inner(e.a) ? e.a : e.b)].push_back(is_inner(e.a) ? e.b : e.a);
+    ends_[segment_[is_inner(e.a) ? e.a : e.b]].push_back(is_inner(e.a) ? e.b : e.a);
   }
 }
 
 bool Excuses::Excused(std::uint32_t p, std::uint32_t q) const {
   const auto &vp = mesh_.vertices[p], &vq = mesh_.vertices[q];
   if (vp.containing_dimension != 1 || vq.containing_dimension != 1) return false;
-  const auto s = ends_.find(SegmentOf(p)), t = ends_.find(SegmentOf(q));
+  const auto s = ends_.find(segment_[p]), t = ends_.find(segment_[q]);
   if (s == t || s == ends_.end() || t == ends_.end()) return false;
   for (const std::uint32_t apex : s->second) {
     if (std::ranges::find(t->second, apex) == t->second.end()) continue;
@@ -42,11 +45,6 @@ bool Excuses::Excused(std::uint32_t p, std::uint32_t q) const {
 Excuses::Real Excuses::Distance(std::uint32_t p, std::uint32_t q) const {
   const auto a = mesh_.vertices[p].position(), b = mesh_.vertices[q].position();
   return std::hypot(Real{a[0]} - b[0], Real{a[1]} - b[1], Real{a[2]} - b[2]);
-}
-
-std::uint32_t Excuses::SegmentOf(std::uint32_t v) const {
-  while (segment_[v] != v) v = segment_[v] = segment_[segment_[v]];
-  return v;
 }
 
 }  // namespace dynmesh::cli

@@ -1,6 +1,6 @@
 // The edges of a mesh that may be short because of a small angle of the input: the ends lie on two
 // segments that meet at less than 60 degrees, at the same distance from the common point. Found
-// from the mesh alone, independently of the mesher. Thread-compatible.
+// from the mesh alone, independently of the mesher. Immutable, thread-safe.
 #ifndef DYNMESH_CLIENT_VERIFY_EXCUSES_H_
 #define DYNMESH_CLIENT_VERIFY_EXCUSES_H_
 
@@ -51,12 +51,10 @@ class Excuses {
   }
 
  private:
-  // The representative of the segment with v in its inside.
-  std::uint32_t SegmentOf(std::uint32_t v) const;
-
   const io::IndexedMesh& mesh_;
   const Real tolerance_;
-  mutable std::vector<std::uint32_t> segment_;  // by vertex; a union-find forest
+  // By vertex: a vertex that stands for the segment with it in the inside.
+  std::vector<std::uint32_t> segment_;
   absl::flat_hash_map<std::uint32_t, std::vector<std::uint32_t>> ends_;  // of a segment
 };
 

@@ -7,29 +7,18 @@
 #include <numeric>
 
 #include "core/geometry/angles.h"
+#include "core/geometry/vectors.h"
 #include "core/meshing/refinement_terms.h"
 
 namespace dynmesh::meshing {
 namespace {
 
+using geometry::Dot;
+using geometry::Minus;
 using geometry::Point;
 
 template <int D>
 using Vector = std::array<double, D>;
-
-template <int D>
-Vector<D> Minus(const Point<D>& p, const Point<D>& q) {
-  Vector<D> d;
-  for (int i = 0; i < D; ++i) d[static_cast<std::size_t>(i)] = p[i] - q[i];
-  return d;
-}
-
-template <std::size_t D>
-double Dot(const std::array<double, D>& u, const std::array<double, D>& w) {
-  double sum = u[0] * w[0];
-  for (std::size_t i = 1; i < D; ++i) sum += u[i] * w[i];
-  return sum;
-}
 
 // |u x w|. The same for w, u.
 double Across(const Vector<2>& u, const Vector<2>& w) {

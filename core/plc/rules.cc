@@ -8,12 +8,15 @@
 #include "core/base/rounding.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
+#include "core/geometry/vectors.h"
 #include "core/plc/validation_terms.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::plc {
 namespace {
 
+using geometry::Dot;
+using geometry::Minus;
 using geometry::Orientation;
 using geometry::Point;
 using geometry::Point2;
@@ -23,20 +26,6 @@ using geometry::SquaredDistance;
 constexpr double kCloseLimitUlps = 0x1p10;
 // sin^2 of the least angle between segments, 0.001 degrees, less a millionth.
 constexpr double kAngleBound = 3.046174197557781e-10 * kNarrower;
-
-template <int D>
-std::array<double, D> Minus(const Point<D>& a, const Point<D>& b) {
-  std::array<double, D> d;
-  for (int i = 0; i < D; ++i) d[i] = a[i] - b[i];
-  return d;
-}
-
-template <std::size_t D>
-double Dot(const std::array<double, D>& u, const std::array<double, D>& w) {
-  double sum = u[0] * w[0];
-  for (std::size_t i = 1; i < D; ++i) sum += u[i] * w[i];
-  return sum;
-}
 
 // (|u||w| sin)^2.
 template <std::size_t D>

@@ -176,28 +176,27 @@ class Judge<3> {
     if (quality::IsOverBound(CornersOf(rows), q, bound)) {
       return IsExcused(rows, q) ? SimplexVerdict::kSmallInputAngle : SimplexVerdict::kOverRho;
     }
-    return IsBelowDihedral(rows, q) ? SimplexVerdict::kBelowDihedral : SimplexVerdict::kGood;
+    return DihedralAngles(rows, q) == Angles::kBelow ? SimplexVerdict::kBelowDihedral
+                                                     : SimplexVerdict::kGood;
   }
   bool HasDihedralBound() const { return dihedral_.degrees() > 0; }
-  // As the mesher decides it; true for inverted tetrahedra, too. An angle opposite to a seditious
+  // Of the dihedral angles; kExcused: some are below the bound, but none that counts.
+  enum class Angles { kGood, kExcused, kBelow };
+  // As the mesher decides it; below for inverted tetrahedra, too. An angle opposite to a seditious
   // edge does not count.
-  bool IsBelowDihedral(const Rows<3>& rows, const Quality& q) const {
-    if (!HasDihedralBound()) return false;
-    if (std::isinf(q.radius_edge)) return true;
-    if (!dihedral_.IsBelow(CornersOf(rows))) return false;
+  Angles DihedralAngles(const Rows<3>& rows, const Quality& q) const {
+    if (!HasDihedralBound()) return Angles::kGood;
+    if (std::isinf(q.radius_edge)) return Angles::kBelow;
+    if (!dihedral_.IsBelow(CornersOf(rows))) return Angles::kGood;
     Rows<3> sorted = rows;
     std::sort(sorted.begin(), sorted.end(), [this](std::size_t p, std::size_t r) {
       return std::lexicographical_compare(At(p), At(p) + 3, At(r), At(r) + 3);
     });
-    return dihedral_.IsBelowSorted(CornersOf(sorted), [&](int i, int j) {
+    const bool is_below = dihedral_.IsBelowSorted(CornersOf(sorted), [&](int i, int j) {
       return seditious_.Has(sorted[static_cast<std::size_t>(i)],
                             sorted[static_cast<std::size_t>(j)]);
     });
-  }
-  // Is one of its angles below the bound, but none that counts?
-  bool IsExcusedDihedral(const Rows<3>& rows, const Quality& q) const {
-    return HasDihedralBound() && !std::isinf(q.radius_edge) && dihedral_.IsBelow(CornersOf(rows)) &&
-           !IsBelowDihedral(rows, q);
+    return is_below ? Angles::kBelow : Angles::kExcused;
   }
   std::array<double, 3> CentroidOf(const Rows<3>& rows) const {
     std::array<double, 3> mean = {0, 0, 0};
@@ -303,8 +302,9 @@ void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQ
     report.below_dihedral += judge.HasDihedralBound();
     return;
   }
-  report.below_dihedral += judge.IsBelowDihedral(*rows, q);
-  report.exempt_dihedral += judge.IsExcusedDihedral(*rows, q);
+  const Judge<3>::Angles angles = judge.DihedralAngles(*rows, q);
+  report.below_dihedral += angles == Judge<3>::Angles::kBelow;
+  report.exempt_dihedral += angles == Judge<3>::Angles::kExcused;
   NoteWorst({q.min_angle_deg, index, judge.CentroidOf(*rows)}, report.worst_dihedral);
 }
 

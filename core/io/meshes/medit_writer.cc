@@ -10,6 +10,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/meshes/references.h"
+#include "core/io/meshes/tetrahedron_sides.h"
 
 namespace dynmesh::io {
 
@@ -49,12 +50,10 @@ std::vector<Corners> OrientedFaces(const IndexedMesh& mesh) {
     row_of.emplace(face.corners, faces.size());
     faces.push_back(face.corners);
   }
-  // The side opposite to each corner, counter-clockwise as seen from outside.
-  constexpr std::size_t kSides[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> regions(faces.size(), kNone);
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
-    for (const auto& side : kSides) {
+    for (const auto& side : kTetrahedronSides) {
       Corners outward;
       for (std::size_t k = 0; k < 3; ++k) outward[k] = mesh.tetrahedra[i][side[k]];
       std::rotate(outward.begin(), std::min_element(outward.begin(), outward.end()), outward.end());

@@ -8,6 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/geometry/circumball.h"
+#include "core/io/meshes/tetrahedron_sides.h"
 
 namespace dynmesh::io {
 namespace {
@@ -27,11 +28,8 @@ Vector3 Scaled(const Vector3& v, double factor) {
 Vector3 Sum(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vector3 Unit(const Vector3& v) { return Scaled(v, 1 / std::sqrt(Dot(v, v))); }
 
-// The side opposite to each corner, counter-clockwise as seen from outside.
-constexpr std::size_t kSides[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 struct Side {
-  Corners corners;  // in that order
+  Corners corners;  // counter-clockwise as seen from outside
   std::uint32_t tetrahedron;
 };
 
@@ -101,7 +99,7 @@ class Clip {
     for (std::uint32_t i = 0; i < mesh_.tetrahedra.size(); ++i) {
       const IndexedMesh::Tetrahedron& t = mesh_.tetrahedra[i];
       if (!IsKept(t)) continue;
-      for (const auto& side : kSides) {
+      for (const auto& side : kTetrahedronSides) {
         const Corners corners = {t[side[0]], t[side[1]], t[side[2]]};
         Corners key = corners;
         std::sort(key.begin(), key.end());
