@@ -5,12 +5,12 @@
 #include "absl/strings/str_split.h"
 #include "client/stub_internal.h"
 #include "proto/codec/grpc_status.h"
+#include "proto/codec/metadata.h"
 #include "proto/codec/status_codec.h"
 
 namespace dynmesh::client {
 namespace {
 
-constexpr char kRedirectsKey[] = "dynmesh-redirects";
 // A server that names ever new ones does not make the client grow.
 constexpr std::size_t kMostServers = 256;
 
@@ -52,7 +52,7 @@ Stub::ServerPtr Stub::Of(const std::string& mesh) {
 
 void Stub::Prepare(grpc::ClientContext& context, absl::Duration timeout, int redirects) const {
   if (!authorization_.empty()) context.AddMetadata("authorization", authorization_);
-  context.AddMetadata(kRedirectsKey, absl::StrCat(redirects));
+  context.AddMetadata(codec::kRedirectsKey, absl::StrCat(redirects));
   if (timeout == absl::InfiniteDuration()) return;
   context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
 }

@@ -8,19 +8,17 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
+#include "proto/codec/metadata.h"
 #include "server/meshes/mesh_opener.h"
 
 namespace dynmesh::server {
-
-// Metadata of a client that follows NOT_OWNER: how often it was sent on with this call, in decimal.
-inline constexpr char kRedirectsKey[] = "dynmesh-redirects";
 
 // Thread-safe.
 inline Asking AskingOf(const grpc::CallbackServerContext& call) {
   Asking asking;
   const auto left = call.deadline() - std::chrono::system_clock::now();
   if (left < std::chrono::hours(24)) asking.deadline = std::chrono::steady_clock::now() + left;
-  const auto it = call.client_metadata().find(kRedirectsKey);
+  const auto it = call.client_metadata().find(codec::kRedirectsKey);
   int redirects = 0;
   if (it != call.client_metadata().end() &&
       absl::SimpleAtoi(absl::string_view(it->second.data(), it->second.size()), &redirects) &&

@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "server/calls/admission.h"
 #include "server/calls/asking.h"
 #include "server/calls/send_timeout.h"
+#include "server/calls/withdrawal.h"
 
 namespace dynmesh::server {
 
@@ -58,15 +58,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
       Fail(WhyCut(*context_, sender_, "the client disconnected"));
     }
   }
-  void OnCancel() override {
-    cancelled_->store(true);
-    MeshRegistry::HostPtr host;
-    {
-      const std::lock_guard lock(mutex_);
-      host = host_;
-    }
-    if (host != nullptr) host->Withdraw(cancelled_);
-  }
+  void OnCancel() override { withdrawal_.Cancel(); }
   void OnDone() override {
     sender_.Leave();
     self_.reset();
@@ -81,7 +73,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   void Fail(const absl::Status& status) { this->Finish(codec::ToGrpcStatus(status)); }
 
   const std::shared_ptr<Call>& self() const { return self_; }
-  std::shared_ptr<const std::atomic<bool>> cancelled() const { return cancelled_; }
+  std::shared_ptr<const std::atomic<bool>> cancelled() const { return withdrawal_.cancelled(); }
 
   // A state of the mesh was read that is to be the present one.
   absl::Status CheckRead(const MeshHost& host) const {
@@ -102,8 +94,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
         TakeStream(*context_, context_->snapshot_streams, "concurrent snapshots", pass_);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
-    const std::lock_guard lock(mutex_);
-    host_ = *host;
+    withdrawal_.Take(*host);
     return absl::OkStatus();
   }
   void Send() {
@@ -119,12 +110,10 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   std::shared_ptr<Call> self_;  // until OnDone
   ServiceContext* context_ = nullptr;
   OpenSends::Sender sender_;
-  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+  Withdrawal withdrawal_;
   Pass pass_;
   WorkGate::Ticket ticket_;
   StreamPlace place_;
-  std::mutex mutex_;
-  MeshRegistry::HostPtr host_;  // written under mutex_
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;
 };

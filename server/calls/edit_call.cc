@@ -1,8 +1,6 @@
 #include "server/calls/edit_call.h"
 
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -12,6 +10,7 @@
 #include "server/calls/asking.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
+#include "server/calls/withdrawal.h"
 #include "server/meshes/revert_plan.h"
 
 namespace dynmesh::server {
@@ -46,15 +45,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
       Fail(WhyCut(context_, sender_, "the client disconnected"));
     }
   }
-  void OnCancel() override {
-    cancelled_->store(true);
-    MeshRegistry::HostPtr host;
-    {
-      const std::lock_guard lock(mutex_);
-      host = host_;
-    }
-    if (host != nullptr) host->Withdraw(cancelled_);
-  }
+  void OnCancel() override { withdrawal_.Cancel(); }
   void OnDone() override {
     sender_.Leave();
     if (fragmenter_.has_value()) {
@@ -84,10 +75,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   template <typename Request>
   absl::Status Submit(const Request& request, MeshRegistry::HostPtr host) {
-    {
-      const std::lock_guard lock(mutex_);
-      host_ = host;
-    }
+    withdrawal_.Take(host);
     absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, std::move(host), request);
     if (!taken.ok()) return taken.status();
     taken->job.call_id = CallIdOf(*rpc_);
@@ -109,7 +97,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     taken.job.source = source_ = EditSource::kRevert;
     context_.readers->Post([call = self_, revision = request.revision(),
                             host = std::move(taken.host), job = std::move(taken.job)]() mutable {
-      RevertPlan plan = PlanRevert(*host, revision, call->cancelled_);
+      RevertPlan plan = PlanRevert(*host, revision, call->withdrawal_.cancelled());
       job.make = std::move(plan.job.make);
       job.content = plan.job.content;
       job.expected_hash = plan.job.expected_hash;
@@ -125,7 +113,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   }
 
   absl::Status Apply(MeshHost& host, EditJob job) {
-    job.cancelled = cancelled_;
+    job.cancelled = withdrawal_.cancelled();
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
@@ -135,7 +123,9 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     lease_.Release();
     snapshot_lease_.Release();
-    if (!outcome.ok()) return Fail(CheckRefusal(*context_.registry, *host_, outcome.status()));
+    if (!outcome.ok()) {
+      return Fail(CheckRefusal(*context_.registry, withdrawal_.host(), outcome.status()));
+    }
     answered_ = MetricsClock::now();
     LimitSends(context_, rpc_, sender_);
     replayed_ = outcome->replayed;
@@ -162,11 +152,9 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   OpenSends::Sender sender_;
   MetricsClock::time_point answered_;
   EditSource source_ = EditSource::kEdit;
-  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+  Withdrawal withdrawal_;
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
-  std::mutex mutex_;
-  MeshRegistry::HostPtr host_;  // written under mutex_
   Lease lease_;
   Lease snapshot_lease_;
   bool omit_columns_ = false;

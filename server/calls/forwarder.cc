@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "proto/codec/grpc_status.h"
+#include "proto/codec/metadata.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/calls/asking.h"
@@ -40,7 +41,7 @@ std::shared_ptr<grpc::ClientContext> Forwarder::ContextOf(const grpc::CallbackSe
     context->AddMetadata("authorization", std::string(it->second.data(), it->second.size()));
   }
   context->AddMetadata(kCallIdKey, CallIdOf(call));
-  context->AddMetadata(kRedirectsKey, absl::StrCat(kHandedOn));
+  context->AddMetadata(codec::kRedirectsKey, absl::StrCat(kHandedOn));
   return context;
 }
 

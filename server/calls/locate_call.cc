@@ -1,13 +1,11 @@
 #include "server/calls/locate_call.h"
 
-#include <atomic>
-#include <memory>
-#include <mutex>
 #include <utility>
 
 #include "proto/codec/grpc_status.h"
 #include "server/calls/asking.h"
 #include "server/calls/requests.h"
+#include "server/calls/withdrawal.h"
 
 namespace dynmesh::server {
 namespace {
@@ -32,26 +30,16 @@ class LocateCall final : public grpc::ServerUnaryReactor {
     }
     absl::Status status = CheckLocate(request, (*host)->mesh_options().dimension);
     if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
-    {
-      const std::lock_guard lock(mutex_);
-      host_ = *host;
-    }
-    const auto cancelled = cancelled_;  // after the submission the call may be answered and gone
+    withdrawal_.Take(*host);
+    const auto cancelled =
+        withdrawal_.cancelled();  // after the submission the call may be answered and gone
     status =
         (*host)->Locate({request.coordinates().begin(), request.coordinates().end()}, cancelled,
                         [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
     if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
     if (cancelled->load()) (*host)->Withdraw(cancelled);
   }
-  void OnCancel() override {
-    cancelled_->store(true);
-    MeshRegistry::HostPtr host;
-    {
-      const std::lock_guard lock(mutex_);
-      host = host_;
-    }
-    if (host != nullptr) host->Withdraw(cancelled_);
-  }
+  void OnCancel() override { withdrawal_.Cancel(); }
   void OnDone() override { delete this; }
 
  private:
@@ -63,18 +51,16 @@ class LocateCall final : public grpc::ServerUnaryReactor {
       response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
     }
     ticket_.reset();
-    const absl::Status read = meshes_.CheckRead(host_->id());
+    const absl::Status read = meshes_.CheckRead(withdrawal_.host().id());
     Finish(codec::ToGrpcStatus(answer.ok() ? read : answer.status()));
   }
 
   const MeshRegistry& meshes_;
   Forwarder& forwarder_;
-  std::mutex mutex_;
-  MeshRegistry::HostPtr host_;  // written under mutex_
+  Withdrawal withdrawal_;
   WorkGate::Ticket ticket_;
   v1::LocatePointsResponse* const response_;  // as rpc_
   grpc::CallbackServerContext* const rpc_;    // valid until the call is finished
-  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 };
 
 }  // namespace
