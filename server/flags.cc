@@ -154,6 +154,21 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
              "seconds after which a call ends if its client reads nothing of it; 0: never");
 }
 
+// Not for the configuration file: they are for one run, which serves nothing.
+void AddCopyFlags(CLI::App& app, Flags& f) {
+  app.add_option("--copy-journal", f.copy_journal,
+                 "copy the meshes of the journal FROM, with their past, into the journal TO, and "
+                 "end; each is a folder or postgresql://...; no server may use them meanwhile")
+      ->type_name("FROM TO")
+      ->type_size(2)
+      ->expected(1)
+      ->configurable(false);
+  app.add_option("--copy-meshes", f.copy_meshes,
+                 "copy these only, with commas between; default: all")
+      ->type_name("MESHES")
+      ->configurable(false);
+}
+
 // The line (from 1) of a key in a configuration file. If the key is there twice: the line with that
 // value. 0 if the key is absent.
 int LineOf(const std::string& path, absl::string_view key, absl::string_view value) {
@@ -242,6 +257,7 @@ void AddFlags(CLI::App& app, Flags& f) {
          "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "
          "or journal_losses says, with commas between. It accepts that loss and no later one")
       ->type_name("LOSS");
+  AddCopyFlags(app, f);
   AddCount<std::uint64_t>(
       app, "compact-bytes", c.compact_bytes, 0,
       "bytes of a mesh's edits in the folder before a snapshot, from which it is recovered");

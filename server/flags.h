@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/config/config.h"
 
@@ -18,6 +19,9 @@ struct Flags {
   std::string data_dir;     // not with `journal`
   std::string journal;      // postgresql://...
   std::string accept_loss;  // comma-separated
+  // Source and target, each a folder or postgresql://...; empty: it serves.
+  std::vector<std::string> copy_journal;
+  std::string copy_meshes;  // comma-separated
   std::string log_level = "info";
 };
 

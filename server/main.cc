@@ -1,4 +1,4 @@
-// dynmeshd: the server. Exit codes: 0 drained, 1 failed, 2 bad usage.
+// dynmeshd: the server. Exit codes: 0 drained, or copied a journal; 1 failed; 2 bad usage.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +15,7 @@
 #include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/base/log.h"
+#include "server/copy_journal.h"
 #include "server/flags.h"
 #include "server/journal/open_postgres.h"
 #include "server/journal/sqlite_journal.h"
@@ -58,6 +59,11 @@ class Signals {
     const std::lock_guard lock(mutex_);
     server_ = server;
   }
+  // The exit code of a signal that comes before it serves; 0 unless it is set.
+  void EndsWith(int code) {
+    const std::lock_guard lock(mutex_);
+    idle_code_ = code;
+  }
   // Blocks until a signal asks the process to end. A second one ends the process at once.
   void WaitForEnd() {
     std::unique_lock lock(mutex_);
@@ -75,7 +81,7 @@ class Signals {
       } else if (ending_) {
         std::_Exit(1);
       } else if (server_ == nullptr) {
-        std::_Exit(0);  // no call has been answered yet
+        std::_Exit(idle_code_);  // no call has been answered yet
       } else {
         ending_ = true;
         ended_.notify_one();
@@ -88,6 +94,7 @@ class Signals {
   std::condition_variable ended_;
   Server* server_ = nullptr;  // while it serves
   bool ending_ = false;
+  int idle_code_ = 0;
 };
 
 // Null without a data folder and without a database.
@@ -145,6 +152,22 @@ int Serve(const Flags& flags, Signals& signals) {
   return (*server)->Drain(flags.config.drain_timeout) ? 0 : 1;
 }
 
+int Copy(const Flags& flags, Signals& signals) {
+  signals.EndsWith(1);
+  const auto counts = dynmesh::server::CopyJournal(flags);
+  if (!counts.ok()) {
+    dynmesh::server::Log(dynmesh::server::LogLevel::kError, "not_copied",
+                         {{"message", counts.status().message()}});
+    return absl::IsInvalidArgument(counts.status()) ? 2 : 1;
+  }
+  std::printf("copied %llu meshes, %llu were there already: %llu revisions, %llu bytes\n",
+              static_cast<unsigned long long>(counts->copied),
+              static_cast<unsigned long long>(counts->there),
+              static_cast<unsigned long long>(counts->revisions),
+              static_cast<unsigned long long>(counts->bytes));
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -159,5 +182,6 @@ int main(int argc, char** argv) {
   dynmesh::server::AddFlags(app, flags);
   if (const auto code = dynmesh::server::ParseFlags(app, argc, argv)) return *code;
   if (absl::Status s = dynmesh::server::SetLogLevel(flags.log_level); !s.ok()) return Fail(2, s);
+  if (!flags.copy_journal.empty() || !flags.copy_meshes.empty()) return Copy(flags, signals);
   return Serve(flags, signals);
 }

@@ -57,6 +57,7 @@ inline AppendOutcome OutcomeOf(const absl::Status& status) {
 }
 
 class SharedJournal;  // shared_journal.h
+class MeshImport;     // mesh_import.h
 
 class Journal {
  public:
@@ -105,6 +106,8 @@ class Journal {
   virtual Counts counts() const { return {}; }
   // What several servers on one journal need; null: there is one server.
   virtual SharedJournal* shared() { return nullptr; }
+  // Takes meshes from other journals; null: it takes none.
+  virtual MeshImport* import() { return nullptr; }
   // Its size on the disk.
   virtual std::uint64_t bytes() const { return 0; }
 

@@ -21,6 +21,12 @@ absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last) {
       absl::StrCat("revision ", revision, " is not the journal's last, which is ", last));
 }
 
+absl::Status RowsMissing(absl::string_view id) {
+  return absl::FailedPreconditionError(
+      absl::StrCat("rows of mesh ", Printable(id),
+                   " are not there any more: another program uses this journal"));
+}
+
 absl::Status ReadingErrors::Damaged(absl::string_view what) const {
   return absl::DataLossError(absl::StrCat("of mesh ", Printable(id_), " ", Printable(what),
                                           " is damaged: its checksum does not fit"));

@@ -15,6 +15,9 @@ absl::Status MeshExists(absl::string_view id);  // ALREADY_EXISTS
 absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last);
 absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last);
 
+// FAILED_PRECONDITION: of a mesh that is copied, rows that were written are not there.
+absl::Status RowsMissing(absl::string_view id);
+
 // The errors of reading a mesh with that id.
 class ReadingErrors {
  public:

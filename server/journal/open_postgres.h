@@ -26,12 +26,17 @@ struct PostgresOptions {
   // > 0: several servers use the database, each with such leases of its meshes. 0: this one has all
   // meshes, and takes them from any other.
   absl::Duration lease = absl::ZeroDuration();
+  // Refuses a database that a server uses: that has leases which have not run out, or connections
+  // of dynmeshd. For copies.
+  bool exclusive = false;
+  // Makes the tables in an empty database; else that is NOT_FOUND.
+  bool make_tables = true;
 };
 
-// `url` as of postgres::ParseTarget (postgres_target.h). Makes the tables in an empty database.
+// `url` as of postgres::ParseTarget (postgres_target.h).
 // INVALID_ARGUMENT for a malformed address; UNAVAILABLE if there is no connection;
-// FAILED_PRECONDITION if a newer version wrote the tables, the user may not make them, or this
-// program was built without PostgreSQL.
+// FAILED_PRECONDITION if a newer version wrote the tables, the user may not make them, a server
+// uses the database and `exclusive`, or this program was built without PostgreSQL.
 absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& url,
                                                              const PostgresOptions& options);
 

@@ -1,6 +1,7 @@
 #include "server/journal/postgres_append.h"
 
 #include "absl/strings/str_cat.h"
+#include "server/journal/postgres_pieces.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
@@ -28,20 +29,6 @@ answered AS (
 forgotten AS (
   DELETE FROM dynmesh.requests WHERE mesh IN (SELECT key FROM mine) AND number <= $14::bigint)
 SELECT key FROM mine)";
-
-// The position of each piece in the whole, from 1 on.
-std::vector<std::int64_t> StartsOf(const std::vector<std::int64_t>& sizes,
-                                   const std::vector<std::int64_t>& more = {}) {
-  std::vector<std::int64_t> starts;
-  std::int64_t start = 1;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    starts.push_back(start);
-    start += sizes[i] + (more.empty() ? 0 : more[i]);
-  }
-  return starts;
-}
-
-std::int64_t SizeOf(const std::string& text) { return static_cast<std::int64_t>(text.size()); }
 
 }  // namespace
 

@@ -14,6 +14,7 @@
 #include "server/journal/postgres_leases.h"
 #include "server/journal/postgres_reading.h"
 #include "server/journal/postgres_schema.h"
+#include "server/journal/postgres_use.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server {
@@ -85,6 +86,7 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std
   {
     absl::StatusOr<postgres::Pool::Lease> session = journal->writers_.Take();
     if (!session.ok()) return named(session.status());
+    if (absl::Status s = postgres::CheckUse(**session, options); !s.ok()) return named(s);
     if (absl::Status s = postgres::PrepareSchema(**session); !s.ok()) {
       (*session)->Spoil();
       return named(s);
@@ -171,18 +173,21 @@ absl::StatusOr<std::vector<Journal::Mesh>> PostgresJournal::List() {
   return postgres::ListMeshes(**session);
 }
 
+absl::Status PostgresJournal::DrawKey(Session& session, Key* key, bool* unknown) const {
+  if (*key != 0) return absl::OkStatus();
+  const Answer next = session.Execute(kNextKey);
+  *unknown = next.unknown;
+  if (next.status.ok()) *key = next.Integer(0, 0);
+  return next.status;
+}
+
 // The key is drawn first: so a repetition finds what an earlier attempt has made.
 absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
                                                      const std::string& description) {
   Key key = 0;
   const std::int64_t sum = RowSumOf(absl::string_view(id), absl::string_view(description));
   const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
-    if (key == 0) {
-      const Answer next = session.Execute(kNextKey);
-      *unknown = next.unknown;
-      if (!next.status.ok()) return next.status;
-      key = next.Integer(0, 0);
-    }
+    if (absl::Status s = DrawKey(session, &key, unknown); !s.ok()) return s;
     const postgres::Bytes bytes{description};
     const Answer made = is_shared()
                             ? session.Run(kCreateLeased, key, id, bytes, sum, owner_,

@@ -27,6 +27,7 @@
 
 #include "absl/time/time.h"
 #include "server/journal/journal.h"
+#include "server/journal/mesh_import.h"
 #include "server/journal/open_postgres.h"
 #include "server/journal/postgres_append.h"
 #include "server/journal/postgres_ownership.h"
@@ -36,7 +37,7 @@
 
 namespace dynmesh::server {
 
-class PostgresJournal final : public Journal, public SharedJournal {
+class PostgresJournal final : public Journal, public SharedJournal, public MeshImport {
  public:
   using Options = PostgresOptions;
 
@@ -76,6 +77,13 @@ class PostgresJournal final : public Journal, public SharedJournal {
                                                std::size_t limit) override;
   std::int64_t EpochOf(Key mesh) override;
 
+  // Meshes from other journals (postgres_import.cc).
+  MeshImport* import() override { return this; }
+  absl::StatusOr<Key> NewKey() override;
+  absl::Status WriteUnseen(Key mesh, const std::vector<Part>& parts,
+                           const std::vector<Entry>& entries) override;
+  absl::Status Publish(Key mesh, const Whole& whole) override;
+
  private:
   // A mesh that this object claimed.
   struct Owned {
@@ -112,6 +120,8 @@ class PostgresJournal final : public Journal, public SharedJournal {
                          const std::vector<std::string>& parts);
   absl::Status CheckLast(const Owned& owned, std::uint64_t revision) const;
   void SweepWhole(Key mesh);
+  // Draws a key, unless `*key` has one already.
+  absl::Status DrawKey(postgres::Session& session, Key* key, bool* unknown) const;
   void Measure(postgres::Session& session);
 
   const std::string name_;

@@ -82,6 +82,14 @@ absl::StatusOr<bool> SweepParts(Connection& connection, std::int64_t mesh, std::
 
 }  // namespace
 
+absl::Status WriteSnapshotPart(Connection& connection, std::int64_t mesh, std::int64_t revision,
+                               std::int64_t number, absl::string_view data) {
+  Statement insert(connection, "INSERT INTO snapshots VALUES(?, ?, ?, ?, ?)");
+  insert.Bind(mesh).Bind(revision).Bind(number).BindBytes(data);
+  insert.Bind(RowSumOf(mesh, revision, number, data));
+  return insert.Finish();
+}
+
 absl::StatusOr<std::size_t> WriteParts(Connection& connection, std::int64_t mesh,
                                        std::int64_t revision, const std::vector<std::string>& parts,
                                        std::size_t first, std::uint64_t bytes) {
@@ -89,11 +97,9 @@ absl::StatusOr<std::size_t> WriteParts(Connection& connection, std::int64_t mesh
   for (std::uint64_t written = 0; part < parts.size(); ++part) {
     written += parts[part].size();
     if (part > first && written > bytes) break;
-    const auto number = static_cast<std::int64_t>(part);
-    Statement insert(connection, "INSERT INTO snapshots VALUES(?, ?, ?, ?, ?)");
-    insert.Bind(mesh).Bind(revision).Bind(number).BindBytes(parts[part]);
-    insert.Bind(RowSumOf(mesh, revision, number, absl::string_view(parts[part])));
-    if (absl::Status s = insert.Finish(); !s.ok()) return s;
+    absl::Status status =
+        WriteSnapshotPart(connection, mesh, revision, static_cast<std::int64_t>(part), parts[part]);
+    if (!status.ok()) return status;
   }
   return part;
 }

@@ -17,6 +17,10 @@
 
 namespace dynmesh::server {
 
+// Writes one part of a snapshot.
+absl::Status WriteSnapshotPart(sqlite::Connection& connection, std::int64_t mesh,
+                               std::int64_t revision, std::int64_t number, absl::string_view data);
+
 // Writes parts from `first` on: as many as have `bytes` together, at least one. Returns the number
 // of the first part that is left.
 absl::StatusOr<std::size_t> WriteParts(sqlite::Connection& connection, std::int64_t mesh,

@@ -147,25 +147,34 @@ absl::StatusOr<Journal::Key> SqliteJournal::Create(const std::string& id,
                                                    const std::string& description) {
   Key key = 0;
   const absl::Status status = Write([&]() -> absl::Status {
-    Statement find(writer_, "SELECT 1 FROM meshes WHERE id = ?");
-    if (find.BindText(id).Step()) {
-      return MeshExists(id);
-    }
-    if (!find.status().ok()) return find.status();
-    Statement insert(writer_,
-                     "INSERT INTO meshes(key, id, description, snapshot, head, checksum) "
-                     "VALUES(max(?, ifnull((SELECT seq FROM sqlite_sequence WHERE name = "
-                     "'meshes'), 0)) + 1, ?, ?, 0, 0, ?)");
-    // Greater than any key given before the journal lost something.
-    insert.Bind(heads_->greatest()).BindText(id).BindBytes(description);
-    insert.Bind(RowSumOf(absl::string_view(id), absl::string_view(description)));
-    if (absl::Status s = insert.Finish(); !s.ok()) return s;
-    key = sqlite3_last_insert_rowid(writer_.get());
+    if (absl::Status s = CheckNew(id); !s.ok()) return s;
+    const absl::StatusOr<Key> made = InsertMesh(id, description);
+    if (!made.ok()) return made.status();
+    key = *made;
     heads_->Stage({key, id, 0, 0, 0, HeadsFile::State::kThere});
     return Run("INSERT INTO generations VALUES(?, 0, 0, 0)", key);
   });
   if (!status.ok()) return status;
   return key;
+}
+
+absl::Status SqliteJournal::CheckNew(const std::string& id) {
+  Statement find(writer_, "SELECT 1 FROM meshes WHERE id = ?");
+  if (find.BindText(id).Step()) return MeshExists(id);
+  return find.status();
+}
+
+absl::StatusOr<Journal::Key> SqliteJournal::InsertMesh(const std::string& id,
+                                                       const std::string& description) {
+  Statement insert(writer_,
+                   "INSERT INTO meshes(key, id, description, snapshot, head, checksum) "
+                   "VALUES(max(?, ifnull((SELECT seq FROM sqlite_sequence WHERE name = "
+                   "'meshes'), 0)) + 1, ?, ?, 0, 0, ?)");
+  // Greater than any key given before the journal lost something.
+  insert.Bind(heads_->greatest()).BindText(id).BindBytes(description);
+  insert.Bind(RowSumOf(absl::string_view(id), absl::string_view(description)));
+  if (absl::Status s = insert.Finish(); !s.ok()) return s;
+  return sqlite3_last_insert_rowid(writer_.get());
 }
 
 absl::Status SqliteJournal::Run(const char* sql, Key mesh) {
@@ -214,15 +223,29 @@ absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
   return find.status().ok() ? NoSuchMesh() : find.status();
 }
 
+absl::StatusOr<std::int64_t> SqliteJournal::InsertEntry(Key mesh, const Entry& entry) {
+  const auto revision = static_cast<std::int64_t>(entry.revision);
+  Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?, ?)");
+  const std::int64_t sum = RowSumOf(mesh, revision, absl::string_view(entry.data));
+  insert.Bind(mesh).Bind(revision).BindBytes(entry.data).Bind(sum);
+  if (absl::Status s = insert.Finish(); !s.ok()) return s;
+  return sum;
+}
+
+absl::Status SqliteJournal::InsertRequest(Key mesh, std::int64_t number, const Request& request) {
+  Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
+  insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
+  insert.Bind(
+      RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
+  return insert.Finish();
+}
+
 absl::Status SqliteJournal::AppendEntries(Key mesh, const std::vector<Entry>& entries) {
   std::int64_t bytes = 0;
   for (const Entry& entry : entries) {
-    const auto revision = static_cast<std::int64_t>(entry.revision);
-    Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?, ?)");
-    const std::int64_t sum = RowSumOf(mesh, revision, absl::string_view(entry.data));
-    insert.Bind(mesh).Bind(revision).BindBytes(entry.data).Bind(sum);
-    if (absl::Status s = insert.Finish(); !s.ok()) return s;
-    heads_->StageEntry(mesh, entry.revision, sum);
+    const absl::StatusOr<std::int64_t> sum = InsertEntry(mesh, entry);
+    if (!sum.ok()) return sum.status();
+    heads_->StageEntry(mesh, entry.revision, *sum);
     bytes += static_cast<std::int64_t>(entry.data.size());
   }
   Statement head(writer_, "UPDATE meshes SET head = ?, tail_bytes = tail_bytes + ? WHERE key = ?");
@@ -237,12 +260,7 @@ absl::Status SqliteJournal::AppendRequests(Key mesh, const std::vector<Request>&
   const std::int64_t before = newest.Integer(0);
   std::int64_t number = before;
   for (const Request& request : requests) {
-    ++number;
-    Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
-    insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
-    insert.Bind(
-        RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
-    if (absl::Status s = insert.Finish(); !s.ok()) return s;
+    if (absl::Status s = InsertRequest(mesh, ++number, request); !s.ok()) return s;
   }
   heads_->StageRequest(mesh, number);
   // The oldest rows are far from the newest: deleting them writes one more page. So they are

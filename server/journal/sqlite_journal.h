@@ -28,12 +28,13 @@
 #include "server/journal/heads_file.h"
 #include "server/journal/journal.h"
 #include "server/journal/losses.h"
+#include "server/journal/mesh_import.h"
 #include "server/journal/opening.h"
 #include "server/journal/sqlite.h"
 
 namespace dynmesh::server {
 
-class SqliteJournal final : public Journal {
+class SqliteJournal final : public Journal, public MeshImport {
  public:
   struct Options {
     std::size_t remembered_requests = 10'000;  // of a mesh
@@ -68,6 +69,13 @@ class SqliteJournal final : public Journal {
   absl::Status Compact(Key mesh, std::uint64_t revision,
                        const std::vector<std::string>& parts) override;
 
+  // Meshes from other journals (sqlite_import.cc).
+  MeshImport* import() override { return this; }
+  absl::StatusOr<Key> NewKey() override;
+  absl::Status WriteUnseen(Key mesh, const std::vector<Part>& parts,
+                           const std::vector<Entry>& entries) override;
+  absl::Status Publish(Key mesh, const Whole& whole) override;
+
  private:
   // A change of one caller in a transaction. An error found before it wrote anything fails that
   // change only; an error of SQLite fails the whole group.
@@ -95,6 +103,14 @@ class SqliteJournal final : public Journal {
   void WriteAll(std::unique_lock<std::mutex>& lock);
   absl::Status Commit(const std::vector<Waiting*>& group);
   absl::Status Probe();
+  // MeshExists, or OK.
+  absl::Status CheckNew(const std::string& id);
+  absl::StatusOr<Key> InsertMesh(const std::string& id, const std::string& description);
+  absl::StatusOr<std::int64_t> InsertEntry(Key mesh, const Entry& entry);  // returns its checksum
+  absl::Status InsertRequest(Key mesh, std::int64_t number, const Request& request);
+  // Of the mesh's rows in a table.
+  absl::StatusOr<std::int64_t> CountOf(const char* sql, Key mesh);
+  absl::Status InsertWhole(Key mesh, const Whole& whole);
   absl::Status AppendEntries(Key mesh, const std::vector<Entry>& entries);
   absl::Status AppendRequests(Key mesh, const std::vector<Request>& requests);
   // The mesh's last revision.
