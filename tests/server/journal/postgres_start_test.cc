@@ -1,0 +1,58 @@
+// Servers that start at once on one database: each table is made once, and all of them serve.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/journal/postgres_target.h"
+#include "tests/server/journal/postgres_fixture.h"
+#include "tests/support/deadline.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr int kServers = 5;
+
+class PostgresStartTest : public PostgresTest {
+ protected:
+  // Holds the lock that makes servers take turns, until all of them wait for it.
+  void OpenAllBehind(std::int64_t lock, const PostgresOptions& options) {
+    const auto target = postgres::ParseTarget(server_.Url(database_));
+    auto holder = postgres::Session::Connect(target->conninfo);
+    ASSERT_TRUE(holder.ok()) << holder.status();
+    ASSERT_TRUE(
+        (*holder)->Execute(absl::StrCat("SELECT pg_advisory_lock(", lock, ")")).status.ok());
+    std::vector<absl::Status> opened(kServers);
+    std::vector<std::thread> threads;
+    for (absl::Status& status : opened) {
+      threads.emplace_back(
+          [&] { status = PostgresJournal::Open(server_.Url(database_), options).status(); });
+    }
+    test::WaitUntil("servers that wait", [this] {
+      return Sql("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND NOT granted AND "
+                 "database = (SELECT oid FROM pg_database WHERE datname = current_database())") ==
+             std::to_string(kServers);
+    });
+    holder->reset();  // which gives the lock up
+    for (std::thread& thread : threads) thread.join();
+    for (const absl::Status& status : opened) EXPECT_TRUE(status.ok()) << status;
+  }
+};
+
+TEST_F(PostgresStartTest, TheFirstServersMakeTheTablesInTurn) {
+  OpenAllBehind(28'281'012'859'794'280, {});
+  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), "1");
+}
+
+TEST_F(PostgresStartTest, TheFirstServersWithLeasesMakeTheirTablesInTurn) {
+  Open().reset();
+  PostgresOptions options;
+  options.lease = absl::Hours(1);
+  OpenAllBehind(28'273'260'616'281'960, options);
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.nodes"), "0");
+}
+
+}  // namespace
+}  // namespace dynmesh::server
