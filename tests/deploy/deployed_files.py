@@ -21,6 +21,8 @@ class StrictLoader(yaml.SafeLoader):
 def strict_mapping(loader, node, deep=False):
     seen = set()
     for key_node, _ in node.value:
+        if key_node.tag == "tag:yaml.org,2002:merge":
+            continue  # what it brings may be given again
         key = loader.construct_object(key_node, deep=True)
         if key in seen:
             raise yaml.YAMLError(f"{key!r} is given twice{key_node.start_mark}")
