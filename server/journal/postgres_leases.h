@@ -2,10 +2,11 @@
 // server that does not answer any more. Only the database's clock counts. A lease is for progress;
 // which server can write is decided by the epoch alone (postgres_ownership.h).
 //
-// Two additions to the schema, which a server without leases does not notice:
+// Additions to the schema, which a server without leases does not notice:
 //   nodes               a row per server: id, the name that owns meshes; address, for clients;
 //                       seen, when it renewed last
 //   meshes.lease_until  -infinity: nothing is leased
+//   meshes_by_owner     an index: a renewal costs as many rows as the server has meshes
 // Each function but PrepareLeases is one statement, and safe to repeat. Errors: as Session::Run.
 // Thread-compatible.
 #ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_LEASES_H_

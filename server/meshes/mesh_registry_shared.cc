@@ -43,8 +43,8 @@ absl::Status MeshRegistry::OpenChosen() {
     if (!places.ok()) return places.status();
     for (const SharedJournal::Place& place : *places) {
       after = place.mesh.id;
-      const auto chosen = ChooseNode(*nodes, place.mesh.id);
       if (place.left > absl::ZeroDuration()) continue;
+      const auto chosen = ChooseNode(*nodes, place.mesh.id);
       if (chosen.has_value() && (*nodes)[*chosen] != address_) continue;
       opener_->Open(place.mesh.id, {}, [](const absl::StatusOr<HostPtr>&) {});
     }

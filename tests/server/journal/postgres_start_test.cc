@@ -54,5 +54,32 @@ TEST_F(PostgresStartTest, TheFirstServersWithLeasesMakeTheirTablesInTurn) {
   EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.nodes"), "0");
 }
 
+// As a version before the index has left it.
+TEST_F(PostgresStartTest, TheIndexOfRenewalsIsMadeForOlderTablesToo) {
+  PostgresOptions options;
+  options.lease = absl::Hours(1);
+  const char* const kIndexes =
+      "SELECT count(*) FROM pg_indexes WHERE indexname = 'meshes_by_owner' AND "
+      "schemaname = 'dynmesh'";
+  Open(options).reset();
+  EXPECT_EQ(Sql(kIndexes), "1");
+  Sql("DROP INDEX dynmesh.meshes_by_owner");
+  OpenAllBehind(28'273'260'616'281'960, options);
+  EXPECT_EQ(Sql(kIndexes), "1");
+}
+
+// Of a table with meshes of many servers.
+TEST_F(PostgresStartTest, ARenewalReadsTheMeshesOfItsServerOnly) {
+  PostgresOptions options;
+  options.lease = absl::Hours(1);
+  Open(options).reset();
+  Sql("INSERT INTO dynmesh.meshes(id, description, checksum, owner) SELECT 'm' || n, '', 0, "
+      "'node-' || n % 200 FROM generate_series(1, 20000) AS n; ANALYZE dynmesh.meshes");
+  const std::string plan = Sql(
+      "EXPLAIN UPDATE dynmesh.meshes SET lease_until = clock_timestamp() WHERE owner = 'node-7' "
+      "AND lease_until > '-infinity'");
+  EXPECT_NE(plan.find("meshes_by_owner"), std::string::npos) << plan;
+}
+
 }  // namespace
 }  // namespace dynmesh::server
