@@ -162,7 +162,7 @@ class DynamicMesh {
   // other kinds.
   virtual std::vector<double> LeafSides(std::span<const double> points) const = 0;
 
-  // The features present, by id, with their labels.
+  // The features present, by id.
   virtual std::vector<Feature> Features() const = 0;
 
   // The options that the mesh was created with.

@@ -64,6 +64,7 @@ class OptionalLabel {
   const FeatureLabel& operator*() const { return label_ != nullptr ? *label_ : Empty(); }
   // The same.
   const FeatureLabel* operator->() const { return &**this; }
+  // Are `a` and `b` the same label, or both none?
   friend bool operator==(const OptionalLabel& a, const OptionalLabel& b) {
     return a.label_ == b.label_ || *a == *b;
   }
