@@ -66,6 +66,7 @@ inline constexpr std::size_t kIdsPerMessage = kMessageBytes / kFeatureBytes;
 inline std::size_t WireBytes(const Feature& feature) {
   std::size_t bytes = kFeatureBytes;
   for (const std::vector<FeatureId>& ring : feature.rings) bytes += 10 * ring.size() + 8;
+  if (feature.label) bytes += 24 + feature.label->name.size();
   return bytes;
 }
 inline std::size_t WireBytes(const Edit& edit) { return WireBytes(edit.feature); }

@@ -51,7 +51,7 @@ class FeatureSender {
 
   // Keeps the order of features: the points of a message precede its other features.
   bool Add(const Feature& feature) {
-    if (feature.kind == FeatureKind::kPoint && message_.features_size() == 0) {
+    if (feature.kind == FeatureKind::kPoint && !feature.label && message_.features_size() == 0) {
       codec::EncodePointRow(feature, dimension_, message_.mutable_points());
       bytes_ += kPointBytes;
     } else {

@@ -357,8 +357,6 @@ std::string LabelsLeftOut(const Input& input, const std::string& path) {
   const auto add = [&](std::uint64_t count, const char* of_what) {
     if (count != 0) what += Concat(what.empty() ? "" : ", ", count, " ", of_what);
   };
-  add(labels.markers.size(), "marker(s)");
-  add(labels.names.size(), "name(s)");
   add(labels.attributes, "attribute(s) of points");
   return what.empty() ? "" : Concat(path, ": ", what, " left out: a server's mesh has none");
 }

@@ -4,6 +4,7 @@
 #include "core/dynamic_mesh/build_mesh.h"
 #include "core/dynamic_mesh/live_mesh.h"
 #include "core/dynamic_mesh/live_quadtree.h"
+#include "core/plc/labels.h"
 #include "core/plc/messages.h"
 
 namespace dynmesh {
@@ -19,8 +20,10 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptio
                                 : LiveMesh<3>::Make(options, apply);
 }
 
-absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
-                               const BuildOptions& build) {
+namespace {
+
+absl::StatusOr<Mesh> BuildUnlabelled(std::span<const Feature> features, const MeshOptions& options,
+                                     const BuildOptions& build) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   const bool is_planar = options.dimension == 2;
   if (build.engine == BuildEngine::kSvr) {
@@ -33,6 +36,15 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
   if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
   return is_planar ? BuildDelaunay<2>(features, options, build)
                    : BuildDelaunay<3>(features, options, build);
+}
+
+}  // namespace
+
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
+                               const BuildOptions& build) {
+  absl::StatusOr<Mesh> mesh = BuildUnlabelled(features, options, build);
+  if (mesh.ok()) mesh->labels = plc::LabelsOf(features);
+  return mesh;
 }
 
 }  // namespace dynmesh

@@ -4,8 +4,10 @@
 #include <span>
 #include <utility>
 
+#include "core/base/steps.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/stopwatch.h"
+#include "core/plc/messages.h"
 
 namespace dynmesh {
 
@@ -16,6 +18,13 @@ Interrupt InterruptOf(const std::function<bool()>& interrupted) {
 template <int D>
 absl::Status LiveFeatures<D>::Validate(const EditBatch& batch) const {
   return plc().Check(batch).status();
+}
+
+template <int D>
+std::vector<Feature> LiveFeatures<D>::Features() const {
+  std::vector<Feature> features = plc().Features();
+  labels_.AddTo(features);
+  return features;
 }
 
 template <int D>
@@ -42,11 +51,13 @@ absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const Ap
   const Stopwatch watch;
   const Interrupt interrupt = InterruptOf(apply.interrupted);
   double validated = 0;
+  plc::LabelChanges labels;
   const auto commit = [&](MeshDiff& diff) {
     diff.from_revision = revision_;
     diff.to_revision = batch.empty() ? revision_ : revision_ + 1;
     diff.work.microseconds = watch.microseconds();
     diff.work.validate_microseconds = validated;
+    diff.labels = plc::RowsOf(labels);
     return apply.commit == nullptr ? absl::OkStatus() : apply.commit(diff);
   };
   if (batch.empty()) {
@@ -61,13 +72,17 @@ absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const Ap
   absl::StatusOr<plc::Delta<D>> delta =
       CheckBatch(plc(), plc::Edits(batch), options(), meter, interrupt);
   if (!delta.ok()) return delta.status();
+  Steps steps(interrupt);
+  labels = labels_.ChangesBy(plc::Edits(batch), steps);
+  if (steps.stopped()) return plc::InterruptedError();
   validated = watch.microseconds();
   absl::StatusOr<MeshDiff> diff =
       Run(*delta, {meter, interrupt, MostOperations(apply.max_operations)}, commit);
   if (!diff.ok()) return diff;
   revision_ = diff->to_revision;
+  labels_.Apply(labels);
   if (apply.revocable) {
-    revocable_.push_back(*std::move(delta));
+    revocable_.push_back({*std::move(delta), std::move(labels)});
   } else {
     Settle();
   }
@@ -79,8 +94,9 @@ template <int D>
 void LiveFeatures<D>::TakeBack(std::size_t revisions) {
   const auto last = std::span(revocable_).last(revisions);
   for (std::size_t i = revisions; i-- > 0;) {
-    plc().Commit(last[i].Inverse());  // first: Undo may rebuild the present features
-    Undo(last[i]);
+    plc().Commit(last[i].delta.Inverse());  // first: Undo may rebuild the present features
+    Undo(last[i].delta);
+    labels_.Undo(last[i].labels);
   }
   revision_ -= revisions;
   revocable_.resize(revocable_.size() - revisions);

@@ -1,5 +1,6 @@
 // What all kinds of dynamic mesh have in common: Plc validates a batch, a subclass runs the change
-// that it makes, the result is a revision, and the last revisions can be taken back.
+// that it makes, the result is a revision, and the last revisions can be taken back. Labels are
+// kept here: no mesh depends on them.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_LIVE_FEATURES_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_LIVE_FEATURES_H_
 
@@ -14,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "core/dynamic_mesh/progress_meter.h"
 #include "core/plc/delta.h"
+#include "core/plc/labels.h"
 #include "core/plc/plc.h"
 #include "dynmesh/dynamic_mesh.h"
 
@@ -50,7 +52,7 @@ class LiveFeatures : public DynamicMesh {
     revision_ = revision;
   }
   absl::Status Validate(const EditBatch& batch) const final;
-  std::vector<Feature> Features() const final { return plc().Features(); }
+  std::vector<Feature> Features() const final;
   std::uint64_t revision() const final { return revision_; }
 
  protected:
@@ -71,9 +73,18 @@ class LiveFeatures : public DynamicMesh {
   // Frees memory if much is free room. If it is interrupted, nothing changes.
   virtual void GiveMemoryBack(Interrupt interrupt) = 0;
 
+  // Of the features present.
+  const plc::LabelTable& labels() const { return labels_; }
+
  private:
+  struct Revocable {
+    plc::Delta<D> delta;
+    plc::LabelChanges labels;
+  };
+
   std::uint64_t revision_ = 0;
-  std::vector<plc::Delta<D>> revocable_;  // of the last revisions, in this order
+  plc::LabelTable labels_;
+  std::vector<Revocable> revocable_;  // the last revisions, in this order
 };
 
 }  // namespace dynmesh

@@ -52,6 +52,7 @@ template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
   Mesh mesh = mesh_.state->diffs.Snapshot(mesh_.state->refinement, mesh_.state->features);
   mesh.revision = this->revision();
+  mesh.labels = this->labels().All();
   return mesh;
 }
 
@@ -94,8 +95,8 @@ MeshStats LiveMesh<D>::Stats() const {
   stats.subfacets = s.diffs.subfacet_count();
   stats.operations = s.refinement.engine().operation_count();
   stats.trace_bytes = s.refinement.trace_bytes();
-  stats.mesh_bytes =
-      s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() + mesh_.plc.bytes();
+  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() +
+                     mesh_.plc.bytes() + this->labels().bytes();
   return stats;
 }
 

@@ -149,6 +149,7 @@ Mesh LiveQuadtree<D>::Snapshot() const {
   for (const quadtree::Cell<D>& leaf : state_->tree.Leaves()) leaves_.AppendTo(mesh.vertices, leaf);
   mesh.hash = leaves_.hash();
   mesh.revision = this->revision();
+  mesh.labels = this->labels().All();
   return mesh;
 }
 
@@ -194,8 +195,8 @@ MeshStats LiveQuadtree<D>::Stats() const {
   stats.vertices = tree.leaf_count();
   stats.operations = tree.engine().operation_count();
   stats.trace_bytes = tree.engine().bytes();
-  stats.mesh_bytes =
-      tree.bytes() - stats.trace_bytes + state_->shapes.bytes() + leaves_.bytes() + plc_.bytes();
+  stats.mesh_bytes = tree.bytes() - stats.trace_bytes + state_->shapes.bytes() + leaves_.bytes() +
+                     plc_.bytes() + this->labels().bytes();
   return stats;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/mesh_data/constraints.h"
+#include "core/mesh_data/labels.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::mesh_data {
@@ -31,6 +32,10 @@ absl::Status CheckSets(const std::vector<RegionSet>& sets) {
   return absl::InvalidArgumentError("a region set is not what its id says, or out of order");
 }
 
+absl::Status BadLabels() {
+  return absl::InvalidArgumentError("labels do not ascend by id, or are empty in a mesh");
+}
+
 absl::Status CheckDimension(int dimension) {
   if (dimension == 2 || dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError(text::Concat("dimension ", dimension, " is neither 2 nor 3"));
@@ -44,6 +49,7 @@ absl::Status CheckColumns(const Mesh& mesh) {
   if (!Agree(mesh.dimension, mesh.simplices, mesh.regions)) return BadColumns("simplices");
   if (!Agree(mesh.subsegments)) return BadColumns("subsegments");
   if (!Agree(mesh.subfacets)) return BadColumns("subfacets");
+  if (!AreLabelsOfMesh(mesh.labels)) return BadLabels();
   return CheckSets(mesh.region_sets);
 }
 
@@ -60,6 +66,7 @@ absl::Status CheckColumns(const MeshDiff& diff) {
   if (!Agree(diff.removed_subsegments)) return BadColumns("removed subsegments");
   if (!Agree(diff.added_subfacets)) return BadColumns("added subfacets");
   if (!Agree(diff.removed_subfacets)) return BadColumns("removed subfacets");
+  if (!AreLabels(diff.labels)) return BadLabels();
   return CheckSets(diff.region_sets);
 }
 

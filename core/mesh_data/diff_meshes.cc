@@ -9,6 +9,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "core/mesh_data/constraints.h"
+#include "core/mesh_data/labels.h"
 #include "core/mesh_data/regions.h"
 #include "core/mesh_data/whole_mesh.h"
 
@@ -254,6 +255,7 @@ MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
                   diff.added_subsegments);
   DiffConstraints(from.subfacets, to.subfacets, steps, diff.removed_subfacets,
                   diff.added_subfacets);
+  diff.labels = DiffLabels(from.labels, to.labels);
   return diff;
 }
 

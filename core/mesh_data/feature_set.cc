@@ -1,10 +1,26 @@
 #include "core/mesh_data/feature_set.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
 namespace dynmesh::mesh_data {
+namespace {
+
+// Appends what turns `from` into `to`, of the same id: at most a set and an edit of the label.
+void AppendChange(const Feature& from, const Feature& to, EditBatch& batch) {
+  if (from == to) return;
+  Feature relabelled = from;
+  relabelled.label = to.label;
+  const bool keeps_shape = relabelled == to;
+  if (!keeps_shape) batch.push_back(Edit::Set(to));  // with its label, if it has one
+  if (from.label != to.label && (keeps_shape || !to.label)) {
+    batch.push_back(Edit::SetLabel(to.id, *to.label));
+  }
+}
+
+}  // namespace
 
 absl::Status FeatureSet::Apply(const EditBatch& batch) {
   for (const Edit& edit : batch) {
@@ -20,8 +36,14 @@ absl::Status FeatureSet::Apply(const EditBatch& batch) {
       return absl::NotFoundError(absl::StrCat("feature ", id, " is changed, and not there"));
     }
     switch (edit.action) {
-      case Edit::Action::kSet:
+      case Edit::Action::kSet: {
+        OptionalLabel label = std::move(it->second.label);
         it->second = edit.feature;
+        if (!it->second.label) it->second.label = std::move(label);
+        break;
+      }
+      case Edit::Action::kSetLabel:
+        it->second.label = edit.feature.label;
         break;
       case Edit::Action::kMove:
         it->second.position = edit.feature.position;
@@ -51,8 +73,7 @@ EditBatch EditsBetween(std::span<const Feature> from, std::span<const Feature> t
     } else if (i == from.size() || to[j].id < from[i].id) {
       batch.push_back(Edit::Add(to[j++]));
     } else {
-      if (from[i] != to[j]) batch.push_back(Edit::Set(to[j]));
-      ++i, ++j;
+      AppendChange(from[i++], to[j++], batch);
     }
   }
   return batch;

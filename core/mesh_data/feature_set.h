@@ -1,4 +1,5 @@
-// Features by id: applies batches to a set, and computes the batch between two sets.
+// Features by id, with their labels: applies batches to a set, and computes the batch between two
+// sets.
 //
 // Validates only what keeps it a set: for features that a mesh has accepted. Costs: an edit O(1),
 // Sorted O(n log n), EditsBetween O(n). A value; thread-compatible.
@@ -28,8 +29,9 @@ class FeatureSet {
   absl::flat_hash_map<FeatureId, Feature> features_;
 };
 
-// The batch that turns `from` into `to`, both by ascending id: removes, sets and adds, at most one
-// per feature, by ascending id. Empty if they are equal.
+// The batch that turns `from` into `to`, both by ascending id: removes, sets, adds and edits of
+// labels by ascending id; one per feature, or a set and then an edit that clears the label. Empty
+// if they are equal.
 EditBatch EditsBetween(std::span<const Feature> from, std::span<const Feature> to);
 
 }  // namespace dynmesh::mesh_data

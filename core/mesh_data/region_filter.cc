@@ -147,6 +147,7 @@ Mesh OnlyRows(const Mesh& mesh, const std::vector<bool>& keep) {
       mesh.dimension, mesh.simplices, mesh.regions, [&](std::size_t i) { return keep[i]; },
       part.simplices, part.regions);
   part.region_sets = mesh.region_sets;
+  part.labels = mesh.labels;
   KeepNamed(part.region_sets, {&part.regions});
   const absl::flat_hash_set<VertexId> used(part.simplices.begin(), part.simplices.end());
   part.vertices = RowsOf(used, dimension, mesh.vertices);
@@ -165,6 +166,7 @@ Mesh SimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
   part.subsegments = mesh.subsegments;
   part.subfacets = mesh.subfacets;
   part.region_sets = mesh.region_sets;
+  part.labels = mesh.labels;
   part.hash = mesh.hash;
   RegionFilter filter(choice, mesh.region_sets);
   part.hash -=
@@ -187,6 +189,7 @@ MeshDiff SimplicesInside(const MeshDiff& diff, const RegionChoice& choice, MeshH
   part.added_subfacets = diff.added_subfacets;
   part.work = diff.work;
   part.region_sets = diff.region_sets;
+  part.labels = diff.labels;
   RegionFilter filter(choice, diff.region_sets);
   hidden -= Choose(diff.dimension, diff.removed_simplices, diff.removed_regions, filter,
                    part.removed_simplices, part.removed_regions);

@@ -1,5 +1,6 @@
 // The part of a mesh, or of a diff, that lies in chosen polygons. Pure functions of rows, no
-// geometry: a simplex's region determines whether it is inside. Thread-safe.
+// geometry: a simplex's region determines whether it is inside. Labels are those of all features.
+// Thread-safe.
 #ifndef DYNMESH_CORE_MESH_DATA_REGION_FILTER_H_
 #define DYNMESH_CORE_MESH_DATA_REGION_FILTER_H_
 

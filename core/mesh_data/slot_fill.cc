@@ -151,6 +151,7 @@ absl::Status SlotMesh::State::Fill(const Mesh& mesh) {
   subfacets.Commit({}, mesh.subfacets, slot_of);
   rest.region_sets = mesh.region_sets, rest.added_regions = mesh.regions;
   CommitSets(rest);
+  CommitLabels(mesh.labels);
   revision = patch.from_revision = patch.to_revision = mesh.revision;
   hash = mesh.hash;
   return absl::OkStatus();

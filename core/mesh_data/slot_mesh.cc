@@ -104,6 +104,7 @@ Mesh SlotMesh::ToMesh() const {
   s.AppendRegions(mesh);
   mesh.subsegments = s.subsegments.ToColumns();
   mesh.subfacets = s.subfacets.ToColumns();
+  mesh.labels = labels();
   return mesh;
 }
 
@@ -161,6 +162,18 @@ std::vector<RegionSet> SlotMesh::region_sets() const {
   std::sort(result.begin(), result.end(),
             [](const RegionSet& a, const RegionSet& b) { return a.id < b.id; });
   return result;
+}
+
+LabelColumn SlotMesh::labels() const {
+  LabelColumn result;
+  result.reserve(state_->label_of.size());
+  for (const auto& [id, label] : state_->label_of) result.push_back({id, label});
+  return result;
+}
+
+FeatureLabel SlotMesh::FindLabel(FeatureId id) const {
+  const auto it = state_->label_of.find(id);
+  return it == state_->label_of.end() ? FeatureLabel() : it->second;
 }
 
 Slot SlotMesh::FindSlot(VertexId id) const { return state_->FindVertex(id); }

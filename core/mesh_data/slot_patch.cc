@@ -180,6 +180,16 @@ void SlotMesh::State::CommitSets(const MeshDiff& diff) {
   }
 }
 
+void SlotMesh::State::CommitLabels(const LabelColumn& changes) {
+  for (const LabelOfFeature& row : changes) {
+    if (row.label.empty()) {
+      label_of.erase(row.id);
+    } else {
+      label_of.insert_or_assign(row.id, row.label);
+    }
+  }
+}
+
 void SlotMesh::State::Commit(const MeshDiff& diff, const Netting& netting, bool extends) {
   if (!extends) BeginPatch();
   mesh_data::FaceLinks faces;
@@ -192,6 +202,7 @@ void SlotMesh::State::Commit(const MeshDiff& diff, const Netting& netting, bool 
   const auto slot_of = [this](VertexId id) { return FindVertex(id); };
   subsegments.Commit(diff.removed_subsegments, diff.added_subsegments, slot_of);
   subfacets.Commit(diff.removed_subfacets, diff.added_subfacets, slot_of);
+  CommitLabels(diff.labels);
   revision = diff.to_revision;
   hash = diff.hash;
   WritePatch();

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/btree_map.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
@@ -91,6 +92,7 @@ struct SlotMesh::State {
         sets(o.sets),
         subsegments(o.subsegments),
         subfacets(o.subfacets),
+        label_of(o.label_of),
         going(o.going),
         patch(o.patch) {
     for (const Slot slot : o.simplices) simplices.insert(slot);
@@ -155,6 +157,7 @@ struct SlotMesh::State {
   // False if the simplex exists already: then the caller must free the slot.
   bool PlaceSimplex(Slot slot, const SlotKey& corners, RegionId region);
   void CommitSets(const MeshDiff& diff);
+  void CommitLabels(const LabelColumn& changes);
   void Commit(const MeshDiff& diff, const Netting& netting, bool extends);
   void WritePatch();
   absl::Status Apply(const MeshDiff& diff, bool extends);
@@ -182,6 +185,7 @@ struct SlotMesh::State {
   absl::flat_hash_map<RegionId, std::pair<std::vector<FeatureId>, std::size_t>> sets;
   mesh_data::ConstraintTable<SubsegmentColumns> subsegments;
   mesh_data::ConstraintTable<SubfacetColumns> subfacets;
+  absl::btree_map<FeatureId, FeatureLabel> label_of;  // none is empty
 
   Patch going;
   MeshPatch patch;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/size_shapes.h"
+#include "core/plc/labels.h"
 #include "core/plc/text.h"
 #include "dynmesh/error.h"
 
@@ -48,12 +49,16 @@ absl::Status CheckPolygonId(FeatureId id, EditIndex edit) {
                              kLastPolygonId));
 }
 
+absl::Status AbsentError(FeatureId id, EditIndex edit, const char* verb) {
+  return Refuse(
+      absl::StatusCode::kNotFound, reason::kUnknownFeature, id, edit,
+      absl::StrCat("cannot ", verb, " feature ", id, ": there is none with that id; add it first"));
+}
+
 template <class Entry>
 absl::Status CheckPresent(const Entry& entry, const char* verb) {
   if (entry.state != State::kAbsent) return absl::OkStatus();
-  return Refuse(absl::StatusCode::kNotFound, reason::kUnknownFeature, entry.id, entry.edit,
-                absl::StrCat("cannot ", verb, " feature ", entry.id,
-                             ": there is none with that id; add it first"));
+  return AbsentError(entry.id, entry.edit, verb);
 }
 
 // -0 becomes +0, and what is past the dimension 0.
@@ -125,16 +130,34 @@ Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps) :
     if (steps.Stop()) return;
     const Feature& feature = batch.feature(i);
     absl::Status status = CheckId(feature.id, i);
-    if (status.ok()) {
+    const bool is_of_label = batch.action(i) == Edit::Action::kSetLabel;
+    if (status.ok() && !is_of_label) {
       Entry& entry = Touch(feature.id, i);
       if (error_edit_ == kNever) status = Act(batch.action(i), feature, entry);
       has_polygons_ |= entry.state == State::kPolygon;
+    }
+    if ((feature.label || is_of_label) && status.ok() && error_edit_ == kNever) {
+      status = CheckLabelled(batch.action(i), feature, i);
     }
     if (!status.ok() && error_edit_ == kNever) {
       error_edit_ = i;
       error_ = std::move(status);
     }
   }
+}
+
+// The label of an edit, and whether the feature is there if the edit sets nothing else.
+template <int D>
+absl::Status Draft<D>::CheckLabelled(Edit::Action action, const Feature& feature,
+                                     EditIndex edit) const {
+  if (action == Edit::Action::kMove || action == Edit::Action::kRemove) return absl::OkStatus();
+  if (action == Edit::Action::kSetLabel) {
+    const Entry* const entry = Find(feature.id);
+    const bool is_there =
+        entry != nullptr ? entry->state != State::kAbsent : base_.Contains(feature.id);
+    if (!is_there) return AbsentError(feature.id, edit, "label");
+  }
+  return CheckLabel(feature.id, *feature.label, edit);
 }
 
 // entries_.size() if no entry has that id.
@@ -267,10 +290,12 @@ absl::Status Draft<D>::Act(Edit::Action action, const Feature& feature, Entry& e
       }
       entry.p = PointOf<D>(feature);
       return absl::OkStatus();
+    case Edit::Action::kSetLabel:
+      break;  // does not come here
   }
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
                 absl::StrCat("unknown action ", static_cast<int>(action), " on feature ", entry.id,
-                             "; only add, set, remove and move are"));
+                             "; only add, set, remove, move and set label are"));
 }
 
 template SizeFeature<2> SizeOf(const Feature&);

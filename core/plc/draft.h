@@ -1,8 +1,9 @@
 // The feature set that a batch of edits requests, as a difference to the present one.
 //
-// Edits act in order. An edit that cannot act (bad id, wrong kind, id in use, unknown feature) is
-// the draft's error. There is no other validation here. Edits after the error are not applied;
-// their features are only marked as touched. Thread-safe once constructed. O(batch).
+// Edits act in order. An edit that cannot act (bad id, wrong kind, id in use, unknown feature, bad
+// label) is the draft's error. There is no other validation here. Edits after the error are not
+// applied; their features are only marked as touched. Labels are no part of the draft (labels.h),
+// and an edit of a label touches no feature. Thread-safe once constructed. O(batch).
 #ifndef DYNMESH_CORE_PLC_DRAFT_H_
 #define DYNMESH_CORE_PLC_DRAFT_H_
 
@@ -82,6 +83,7 @@ class Draft {
   Entry& Touch(FeatureId id, EditIndex edit);
   std::size_t PositionOf(FeatureId id) const;
   absl::Status Act(Edit::Action action, const Feature& feature, Entry& entry) const;
+  absl::Status CheckLabelled(Edit::Action action, const Feature& feature, EditIndex edit) const;
 
   const FeatureStore<D>& base_;
   LargeVector<Entry> entries_;

@@ -50,6 +50,11 @@ class FeatureStore {
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
   const SizeFeature<D>* FindSize(FeatureId id) const { return Find(sizes_, id); }
   const Rings* FindPolygon(FeatureId id) const { return Find(polygons_, id); }
+  // Is there a feature of any kind with that id?
+  bool Contains(FeatureId id) const {
+    return FindPoint(id) != nullptr || FindSegment(id) != nullptr || FindSize(id) != nullptr ||
+           FindPolygon(id) != nullptr;
+  }
   const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
   // The segment feature between two points, kNoFeature if there is none. O(segments at one of
   // them).

@@ -1,5 +1,5 @@
-// The piecewise linear complex: the features of a 2D or 3D mesh, by id, and the rules of legal
-// input.
+// The piecewise linear complex: the features of a 2D or 3D mesh, by id and without labels
+// (labels.h), and the rules of legal input.
 //
 // Invariants, after every Commit of a Delta that Check returned:
 //   0. sizing features are legal by themselves (messages.h, CheckSize);
@@ -52,7 +52,7 @@ class Plc {
   // the result is illegal: the error of the earliest edit to blame, with ErrorDetail (error.h).
   // batch_check.h defines that edit.
   //   INVALID_ARGUMENT     BAD_ID, WRONG_KIND, NOT_FINITE, OUTSIDE_BOX, DEGENERATE_SEGMENT,
-  //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE, BAD_POLYGON
+  //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE, BAD_POLYGON, BAD_LABEL
   //   NOT_FOUND            UNKNOWN_FEATURE
   //   ALREADY_EXISTS       ID_IN_USE
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,

@@ -100,9 +100,12 @@ absl::Status DecodeSizing(const v1::Sizing& proto, int dimension, std::size_t in
                    "capsule");
 }
 
+OptionalLabel DecodeLabel(const v1::FeatureLabel& proto) { return {proto.marker(), proto.name()}; }
+
 absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t index,
                            Feature* out) {
   out->id = proto.id();
+  if (proto.has_label()) out->label = DecodeLabel(proto.label());
   switch (proto.geometry_case()) {
     case v1::Feature::kPoint:
       out->kind = FeatureKind::kPoint;
@@ -141,11 +144,22 @@ absl::Status DecodeEdit(const v1::Edit& proto, int dimension, std::size_t index,
       *out = Edit::Move(proto.move().id(), 0, 0);
       return DecodePoint(proto.move().to(), dimension, index, proto.move().id(),
                          &out->feature.position);
+    case v1::Edit::kSetLabel:
+      out->action = Edit::Action::kSetLabel;
+      out->feature.id = proto.set_label().id();
+      out->feature.label = DecodeLabel(proto.set_label().label());
+      return absl::OkStatus();
     case v1::Edit::ACTION_NOT_SET:
       break;
   }
   return EditError(index, kNoFeature, reason::kBadRequest,
-                   "it has no action that this server knows: set add, set, remove or move");
+                   "it has no action that this server knows: set add, set, remove, move or "
+                   "set_label");
+}
+
+void EncodeLabel(const FeatureLabel& label, v1::FeatureLabel* out) {
+  out->set_marker(label.marker);
+  out->set_name(label.name);
 }
 
 void EncodePoint(const std::array<double, 3>& position, int dimension, v1::Point* out) {
@@ -324,7 +338,11 @@ std::size_t Points(const v1::Polygon& polygon) {
   return points;
 }
 
-std::size_t Points(const v1::Feature& feature) {
+std::size_t PointsOfLabel(std::size_t name_bytes) {
+  return (sizeof(FeatureLabel) + name_bytes) / sizeof(FeatureId);
+}
+
+std::size_t PointsOfShape(const v1::Feature& feature) {
   if (feature.has_polygon()) return Points(feature.polygon());
   if (feature.size().has_capsule()) {
     return kPointsOfVertex * static_cast<std::size_t>(feature.size().capsule().vertices_size());
@@ -332,12 +350,19 @@ std::size_t Points(const v1::Feature& feature) {
   return feature.size().has_polygon() ? Points(feature.size().polygon()) : 0;
 }
 
+std::size_t Points(const v1::Feature& feature) {
+  const std::size_t points = PointsOfShape(feature);
+  return feature.has_label() ? points + PointsOfLabel(feature.label().name().size()) : points;
+}
+
 std::size_t Points(const v1::Edit& edit) {
+  if (edit.has_set_label()) return PointsOfLabel(edit.set_label().label().name().size());
   return edit.has_set() ? Points(edit.set()) : Points(edit.add());
 }
 
 std::size_t Points(const Edit& edit) {
   std::size_t points = kPointsOfVertex * edit.feature.sizing.path.size();
+  if (edit.feature.label) points += PointsOfLabel(edit.feature.label->name.size());
   for (const auto& ring : edit.feature.rings) points += kPointsOfRing + ring.size();
   return points;
 }
@@ -364,6 +389,7 @@ std::size_t Weight(const EditBatch& edits) { return WeightOf(edits); }
 
 void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
   out->set_id(feature.id);
+  if (feature.label) EncodeLabel(*feature.label, out->mutable_label());
   switch (feature.kind) {
     case FeatureKind::kPoint:
       EncodePoint(feature.position, dimension, out->mutable_point());
@@ -395,6 +421,11 @@ void EncodeEdit(const Edit& edit, int dimension, v1::Edit* out) {
     case Edit::Action::kMove:
       out->mutable_move()->set_id(edit.feature.id);
       EncodePoint(edit.feature.position, dimension, out->mutable_move()->mutable_to());
+      break;
+    case Edit::Action::kSetLabel:
+      out->mutable_set_label()->set_id(edit.feature.id);
+      if (!edit.feature.label) break;
+      EncodeLabel(*edit.feature.label, out->mutable_set_label()->mutable_label());
       break;
   }
 }

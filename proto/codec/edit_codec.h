@@ -37,7 +37,7 @@ absl::Status DecodePointColumns(const v1::PointColumns& proto, int dimension, Ed
 void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out);
 
 // Weight of edits or features for limits: 1 each, plus 1 for 8 points of polygons; each ring counts
-// as 3 more points.
+// as 3 more points, a label as 5 and one for 8 bytes of its name.
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto);
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto);
 std::size_t Weight(const EditBatch& edits);

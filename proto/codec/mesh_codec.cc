@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "core/mesh_data/constraints.h"
+#include "core/mesh_data/labels.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::codec {
@@ -174,6 +176,27 @@ void CutConstraints(Cutter& cutter, const Columns& constraints, Message* out, Ge
                 });
 }
 
+// Columns of zeros or empty names are left out.
+template <typename Message>
+void CutLabels(Cutter& cutter, const LabelColumn& labels, Message* out) {
+  const auto bytes = [&](std::size_t row) {
+    return 3 * kOwnerBytes + labels[row].label.name.size();
+  };
+  cutter.UnevenColumn(labels.size(), bytes, [&](std::size_t begin, std::size_t end) {
+    v1::LabelColumns* const to = out->mutable_labels();
+    const std::span rows(labels.data() + begin, labels.data() + end);
+    for (const LabelOfFeature& row : rows) to->add_features(row.id);
+    const auto has_marker = [](const LabelOfFeature& row) { return row.label.marker != 0; };
+    const auto has_name = [](const LabelOfFeature& row) { return !row.label.name.empty(); };
+    if (std::ranges::any_of(rows, has_marker)) {
+      for (const LabelOfFeature& row : rows) to->add_markers(row.label.marker);
+    }
+    if (std::ranges::any_of(rows, has_name)) {
+      for (const LabelOfFeature& row : rows) to->add_names(row.label.name);
+    }
+  });
+}
+
 void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
   const auto dimension = static_cast<std::size_t>(diff.dimension);
   using D = v1::MeshDiff;
@@ -194,6 +217,7 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
                  [](D* d) { return d->mutable_added_subfacets(); });
   CutSimplices(cutter, {diff.added_simplices, diff.added_regions, diff.region_sets}, dimension, out,
                [](D* d) { return d->mutable_added_simplices(); });
+  CutLabels(cutter, diff.labels, out);
 }
 
 // ---------------------------------------------------------------- assembly
@@ -256,6 +280,19 @@ bool AppendConstraints(Columns& to, const Message& from) {
   if (IdsOf(from).size() != kIds * from.owners_size()) return false;
   Append(mesh_data::IdsOf(to), IdsOf(from));
   Append(to.owners, from.owners());
+  return true;
+}
+
+bool AppendLabels(LabelColumn& to, const v1::LabelColumns& from) {
+  const int n = from.features_size();
+  const auto fits = [n](int size) { return size == 0 || size == n; };
+  if (!fits(from.markers_size()) || !fits(from.names_size())) return false;
+  for (int i = 0; i < n; ++i) {
+    LabelOfFeature& row = to.emplace_back();
+    row.id = from.features(i);
+    if (from.markers_size() > 0) row.label.marker = from.markers(i);
+    if (from.names_size() > 0) row.label.name = from.names(i);
+  }
   return true;
 }
 
@@ -334,6 +371,7 @@ bool SnapshotFragmenter::Next(v1::SnapshotChunk* out) {
   CutConstraints(cutter, mesh_->subfacets, out, [](C* c) { return c->mutable_subfacets(); });
   CutSimplices(cutter, {mesh_->simplices, mesh_->regions, mesh_->region_sets}, dimension, out,
                [](C* c) { return c->mutable_simplices(); });
+  CutLabels(cutter, mesh_->labels, out);
   ++index_;
   done_ = cutter.AtEnd();
   out->set_more(!done_);
@@ -362,7 +400,8 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
       !AppendConstraints(diff.removed_subfacets, f.removed_subfacets()) ||
       !AppendConstraints(diff.added_subfacets, f.added_subfacets()) ||
       !AppendSimplices(diff.added_simplices, diff.added_regions, f.added_simplices(),
-                       diff.dimension)) {
+                       diff.dimension) ||
+      !AppendLabels(diff.labels, f.labels())) {
     return Broken("a diff's columns disagree in length");
   }
   if (!AppendSets(diff.region_sets, f.removed_simplices()) ||
@@ -377,6 +416,7 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(f.hash());
   if (!hash.ok()) return Broken("a diff's hash is not 32 hex digits");
   diff.hash = *hash;
+  if (!mesh_data::AreLabels(diff.labels)) return Broken("a diff's labels are out of order");
   mesh_data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   diff.work = DecodeWork(f.work());
   return std::optional<MeshDiff>(std::move(diff));
@@ -402,7 +442,8 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
   if (!AppendVertices(mesh.vertices, c.vertices(), mesh.dimension) ||
       !AppendConstraints(mesh.subsegments, c.subsegments()) ||
       !AppendConstraints(mesh.subfacets, c.subfacets()) ||
-      !AppendSimplices(mesh.simplices, mesh.regions, c.simplices(), mesh.dimension)) {
+      !AppendSimplices(mesh.simplices, mesh.regions, c.simplices(), mesh.dimension) ||
+      !AppendLabels(mesh.labels, c.labels())) {
     return Broken("a snapshot's columns disagree in length");
   }
   if (!AppendSets(mesh.region_sets, c.simplices())) {
@@ -416,6 +457,7 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(c.hash());
   if (!hash.ok()) return Broken("a snapshot's hash is not 32 hex digits");
   mesh.hash = *hash;
+  if (!mesh_data::AreLabelsOfMesh(mesh.labels)) return Broken("a snapshot's labels are broken");
   mesh_data::KeepNamed(mesh.region_sets, {&mesh.regions});
   return std::optional<Mesh>(std::move(mesh));
 }

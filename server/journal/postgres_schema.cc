@@ -85,12 +85,26 @@ absl::Status Make(Session& session) {
   return session.Execute("COMMIT").status;
 }
 
+// From any older version; another server may do it first.
+absl::Status Upgrade(Session& session) {
+  const Answer done =
+      session.Execute(absl::StrCat("UPDATE dynmesh.journal SET version = ", kPostgresSchema,
+                                   " WHERE version < ", kPostgresSchema));
+  if (absl::StrContains(done.status.message(), "42501")) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "its user may not upgrade the schema dynmesh: GRANT UPDATE ON dynmesh.journal: ",
+        done.status.message()));
+  }
+  return done.status;
+}
+
 }  // namespace
 
 absl::Status PrepareSchema(Session& session) {
   absl::StatusOr<std::int64_t> version = VersionOf(session);
   if (!version.ok()) return version.status();
-  if (*version > 0) return CheckVersion(*version);
+  if (*version >= kPostgresSchema) return CheckVersion(*version);
+  if (*version > 0) return Upgrade(session);
   if (absl::Status s = Make(session); !s.ok()) return s;
   version = VersionOf(session);
   return version.ok() ? CheckVersion(*version) : version.status();

@@ -1,4 +1,4 @@
-// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Version 1:
+// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Version 2:
 //
 //   journal      one row: the schema's version
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -17,12 +17,13 @@
 
 namespace dynmesh::server::postgres {
 
-// The version of the schema; also counts changes of meshes' bits, as SQLite's does.
-inline constexpr int kPostgresSchema = 1;
+// The version of the schema; also counts changes of meshes' bits, as SQLite's does. 2: entries and
+// snapshots have labels of features, which an older dynmeshd would drop; the tables are those of 1.
+inline constexpr int kPostgresSchema = 2;
 
-// Makes the tables in one transaction, or checks that they are there; several servers may start at
-// once. FAILED_PRECONDITION for a newer version, and if the user may not make them; UNAVAILABLE as
-// Session::Run.
+// Makes the tables in one transaction, or upgrades them, or checks that they are there; several
+// servers may start at once. FAILED_PRECONDITION for a newer version, and if the user may not make
+// or upgrade them; UNAVAILABLE as Session::Run.
 absl::Status PrepareSchema(Session& session);
 
 }  // namespace dynmesh::server::postgres

@@ -79,6 +79,8 @@ constexpr const char* kSteps[kJournalSchema] = {
     "",
     // Descriptions name the kind of mesh. An older dynmeshd would recover a quadtree as a Delaunay
     // mesh.
+    "",
+    // Entries and snapshots have labels of features. An older dynmeshd would drop them.
     ""};
 
 // The SQL function row_sum(...): RowSumOf.

@@ -3,10 +3,12 @@
 #include <array>
 #include <utility>
 
+#include "absl/container/btree_map.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "core/mesh_data/constraints.h"
+#include "core/mesh_data/labels.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::server {
@@ -187,13 +189,13 @@ std::size_t ByteSize(const MeshDiff& d) {
          mesh_data::ByteSize(d.removed_subfacets) +
          8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.removed_regions.size() +
               d.added_simplices.size() + d.added_regions.size()) +
-         mesh_data::ByteSize(d.region_sets);
+         mesh_data::ByteSize(d.region_sets) + mesh_data::ByteSize(d.labels);
 }
 
 std::size_t ByteSize(const Mesh& m) {
   return sizeof(Mesh) + Bytes(m.vertices) + mesh_data::ByteSize(m.subsegments) +
          mesh_data::ByteSize(m.subfacets) + 8 * (m.simplices.size() + m.regions.size()) +
-         mesh_data::ByteSize(m.region_sets);
+         mesh_data::ByteSize(m.region_sets) + mesh_data::ByteSize(m.labels);
 }
 
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
@@ -212,6 +214,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   NetRows<SimplexKey> simplices;
   NetConstraints<SubsegmentColumns> subsegments;
   NetConstraints<SubfacetColumns> subfacets;
+  absl::btree_map<FeatureId, const FeatureLabel*> labels;
   for (const auto& diff : diffs) {
     const MeshDiff& d = *diff;
     for (const VertexId id : d.removed_vertices) vertices.Remove(id);
@@ -231,6 +234,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     }
     subsegments.Apply(d.removed_subsegments, d.added_subsegments);
     subfacets.Apply(d.removed_subfacets, d.added_subfacets);
+    for (const LabelOfFeature& row : d.labels) labels[row.id] = &row.label;
     out.work.executed += d.work.executed;
     out.work.created += d.work.created;
     out.work.dropped += d.work.dropped;
@@ -247,6 +251,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   }
   subsegments.Write(out.removed_subsegments, out.added_subsegments);
   subfacets.Write(out.removed_subfacets, out.added_subfacets);
+  for (const auto& [id, label] : labels) out.labels.push_back({id, *label});
   // Hash sets iterate in a different order in each run; the output must not depend on it. Also
   // drops entries without information.
   Canonicalize(out);
@@ -276,6 +281,7 @@ absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff) {
       !s.ok()) {
     return s;
   }
+  out.labels = mesh_data::ChangedLabels(mesh.labels, diff.labels);
   return out;
 }
 

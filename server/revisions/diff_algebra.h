@@ -18,8 +18,8 @@ std::size_t ByteSize(const Mesh& mesh);
 
 // Composes `diffs`, at least one and each continuing the previous, into one diff. Simplices (in the
 // same region), subsegments and subfacets that are added and removed again cancel. A removed and
-// re-added vertex is in both lists, as a diff allows. Work is summed. Expected time linear in all
-// rows.
+// re-added vertex is in both lists, as a diff allows. Of each feature the last label counts, even
+// if it is that of before. Work is summed. Expected time linear in all rows.
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs);
 
 // `mesh` at diff.to_revision. Time linear in both. FAILED_PRECONDITION if diff.from_revision is not

@@ -8,6 +8,25 @@
 
 namespace dynmesh::server {
 
+namespace {
+
+template <class Add>
+void AddLabel(const FeatureLabel& label, Add add) {
+  constexpr std::uint64_t kMark = 0x6c6162656cu;  // no number of rings or edits
+  add(kMark);
+  add(static_cast<std::uint64_t>(label.marker));
+  add(label.name.size());
+  std::uint64_t word = 0;
+  std::size_t bytes = 0;
+  for (const char c : label.name) {
+    word = word << 8 | static_cast<unsigned char>(c);
+    if (++bytes % sizeof(word) == 0) add(std::exchange(word, 0));
+  }
+  add(word);
+}
+
+}  // namespace
+
 Fingerprint FingerprintOf(const EditBatch& batch) {
   Fingerprint f{0x9e3779b97f4a7c15u, 0xd1b54a32d192ed03u};
   const auto add = [&f](std::uint64_t word) {
@@ -37,6 +56,8 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
       add(ring.size());
       for (const FeatureId id : ring) add(id);
     }
+    // Fingerprints without labels are as they were before there were any.
+    if (edit.feature.label) AddLabel(*edit.feature.label, add);
   }
   return f;
 }

@@ -69,6 +69,7 @@ TEST_F(BuildByDaemonTest, TheClientLibraryGetsTheMeshAndTheServerKeepsNone) {
   std::vector<Feature> features = {Feature::Polygon(9, {{1, 2, 3}}), Feature::Point(1, 0.2, 0.2),
                                    Feature::Point(2, 0.8, 0.3), Feature::Point(3, 0.5, 0.9),
                                    Feature::SizeDisc(7, 0.5, 0.5, 0.2, 0.01)};
+  features[1].label = {7, "Inlet"};
   const auto expected = BuildMesh(features, MeshOptions());
   const auto mesh = client->BuildMesh(features, MeshOptions());
   ASSERT_TRUE(mesh.ok()) << mesh.status();
@@ -76,6 +77,7 @@ TEST_F(BuildByDaemonTest, TheClientLibraryGetsTheMeshAndTheServerKeepsNone) {
   EXPECT_EQ(mesh->vertices, expected->vertices);
   EXPECT_EQ(mesh->simplices, expected->simplices);
   EXPECT_EQ(mesh->regions, expected->regions);
+  EXPECT_EQ(mesh->labels, (LabelColumn{{1, {7, "Inlet"}}}));
   EXPECT_TRUE(client->ListMeshes()->empty());
 }
 

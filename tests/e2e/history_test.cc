@@ -18,6 +18,7 @@
 #include "server/journal/sqlite.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
+#include "tests/support/label_script.h"
 #include "tests/support/polygon_script.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/workload.h"
@@ -28,6 +29,14 @@ namespace {
 std::string ReasonOf(const absl::Status& status) {
   const auto error = codec::GetServiceError(status);
   return error.has_value() ? error->reason : "";
+}
+
+LabelColumn LabelsOf(const std::vector<Feature>& features) {
+  LabelColumn labels;
+  for (const Feature& f : features) {
+    if (f.label) labels.push_back({f.id, *f.label});
+  }
+  return labels;
 }
 
 class HistoryTest : public ::testing::Test {
@@ -94,6 +103,9 @@ class HistoryTest : public ::testing::Test {
         past.push_back({mirror->Features(), mirror->hash()});
       }
       ASSERT_EQ(client_->GetMesh("m")->hash, past.back().hash);
+      const auto snapshot = client_->GetSnapshot("m");
+      ASSERT_TRUE(snapshot.ok()) << snapshot.status();
+      ASSERT_EQ(snapshot->labels, LabelsOf(past.back().features));
       const std::uint64_t some = random() % past.size();
       for (const std::uint64_t r : {some, past.size() - 1}) {
         const auto found = client_->GetFeatures("m", r);
@@ -121,6 +133,18 @@ TEST_F(HistoryTest, RandomScriptsOfThePlaneGoBackToWhatTheyWere) {
   for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kCapsules, D::kWedges, D::kGrid}) {
     SCOPED_TRACE(test::NameOf(d));
     GoBackAndForth(test::ScriptGenerator(d, 40, seed_), 2, 40);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Snapshots, entries, restarts and reverts have the labels of their features.
+TEST_F(HistoryTest, LabelsGoBackToWhatTheyWere) {
+  Start();
+  using D = test::Distribution;
+  for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kGridEdges}) {
+    SCOPED_TRACE(test::NameOf(d));
+    test::LabelledScript script(test::ScriptGenerator(d, 30, seed_), seed_ + 1);
+    GoBackAndForth(script, test::DimensionOf(d), 30);
     if (HasFatalFailure()) return;
   }
 }

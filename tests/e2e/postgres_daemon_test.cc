@@ -16,6 +16,7 @@
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/killed_clients.h"
 #include "tests/server/journal/postgres_server.h"
+#include "tests/support/label_script.h"
 #include "tests/support/nightly.h"
 #include "tests/support/temp_folder.h"
 
@@ -83,6 +84,43 @@ TEST_F(PostgresDaemonTest, KilledWithOrWithoutItsDatabaseItLosesNothing) {
   for (const Streamer& streamer : streamers) acknowledged += streamer.acknowledged();
   std::printf("%llu batches acknowledged\n", static_cast<unsigned long long>(acknowledged));
   EXPECT_GT(acknowledged, static_cast<std::uint64_t>(10 * kills));
+  EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
+}
+
+// Entries, snapshots and the past have the labels of their features.
+TEST_F(PostgresDaemonTest, LabelsComeBack) {
+  const std::uint64_t seed = test::Seed();
+  SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
+  test::LabelledScript script(test::ScriptGenerator(test::Distribution::kPolygons, 20, seed),
+                              seed + 1);
+  ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
+  ASSERT_TRUE(Connect()->CreateMesh("m", MeshOptions()).ok());
+  std::vector<std::vector<Feature>> past = {{}};
+  for (int step = 0; step < 60; ++step) {
+    const auto client = Connect();
+    const EditBatch batch = script.Next(past.back());
+    const auto applied = client->Apply("m", batch);
+    if (applied.ok() && !batch.empty()) past.push_back(client->GetFeatures("m")->features);
+    if (step % 20 != 19) continue;
+    daemon_.End(SIGKILL);
+    ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
+    const auto again = Connect();
+    for (std::uint64_t r = past.size() - 1; r > 0; --r) {
+      const auto found = again->GetFeatures("m", r);
+      if (absl::IsOutOfRange(found.status())) break;  // compacted
+      ASSERT_TRUE(found.ok()) << found.status();
+      EXPECT_EQ(found->features, past[r]) << "revision " << r;
+    }
+    const std::uint64_t before = past.size() - 2;
+    ASSERT_TRUE(again->RevertTo("m", before).ok());
+    past.push_back(past[before]);
+    EXPECT_EQ(again->GetFeatures("m")->features, past.back());
+    LabelColumn labels;
+    for (const Feature& f : past.back()) {
+      if (f.label) labels.push_back({f.id, *f.label});
+    }
+    EXPECT_EQ(again->GetSnapshot("m")->labels, labels);
+  }
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
 }
 

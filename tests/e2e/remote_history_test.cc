@@ -78,5 +78,91 @@ TEST_F(RemoteHistoryTest, FeaturesAreAScriptOfTheSameMeshAndRevertGoesBack) {
   EXPECT_NE(Remote({"revert", "plate", "1", "--expect", "2"}).code, kExitDone);
 }
 
+// A script's markers and names come out of every command as they went in.
+TEST_F(RemoteHistoryTest, LabelsGoFromScriptsToWatchesAndFiles) {
+  const std::vector<std::string> keep = {"--data-dir", folder_.path() + "/data"};
+  ASSERT_TRUE(daemon_.Start(keep)) << daemon_.Log();
+  const std::string script = folder_.Write(
+      "s.dynmesh",
+      "mesh box=0,0,4,4\nadd point 1 0 0\nadd point 2 4 0\nadd point 3 4 4\nadd point 4 0 4\n"
+      "add segment 5 1 2\nadd segment 6 2 3\nadd polygon 9 1 2 3 4\nname 5 Inlet of \"gas\"\n"
+      "name 6 Wall\nname 9 Plate\nmarker 5 42\n");
+  const Ran applied = Remote({"apply", "plate", script, "--create", "--json"});
+  ASSERT_EQ(applied.code, kExitDone) << applied.err;
+  EXPECT_EQ(applied.err, "") << "nothing is left out";
+  const std::string all =
+      "\"labels\": [{\"id\": \"5\", \"marker\": 42, \"name\": \"Inlet of \\\"gas\\\"\"}, "
+      "{\"id\": \"6\", \"marker\": 0, \"name\": \"Wall\"}, "
+      "{\"id\": \"9\", \"marker\": 0, \"name\": \"Plate\"}]";
+  EXPECT_NE(applied.out.find(all), std::string::npos) << applied.out;
+
+  // Labels alone: a revision without a change of the mesh.
+  const std::string more = folder_.Write("m.dynmesh", "marker 1 7\nname 1 Corner\nmarker 6 0\n");
+  const Ran changed = Remote({"apply", "plate", more, "--json"});
+  ASSERT_EQ(changed.code, kExitDone) << changed.err;
+  EXPECT_NE(changed.out.find("\"added_simplices\": 0, \"removed_simplices\": 0"), std::string::npos)
+      << changed.out;
+  EXPECT_NE(changed.out.find("{\"id\": \"6\", \"marker\": 0, \"name\": \"\"}"), std::string::npos)
+      << changed.out;
+  const Ran words = Remote({"apply", "plate", folder_.Write("w.dynmesh", "name 6 Wall\n")});
+  EXPECT_NE(words.out.find(", labels 1\n"), std::string::npos) << words.out;
+
+  // The features are a script with the same labels, after a restart, too.
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  ASSERT_TRUE(daemon_.Start(keep)) << daemon_.Log();
+  const std::string again = folder_.path() + "/again.dynmesh";
+  ASSERT_EQ(Remote({"features", "plate", "-o", again}).code, kExitDone);
+  ASSERT_EQ(Remote({"load", "copy", again, "--create"}).code, kExitDone);
+  ASSERT_EQ(Remote({"apply", "other", again, "--create", "--quiet"}).code, kExitDone);
+  EXPECT_EQ(Remote({"features", "copy"}).out, Remote({"features", "plate"}).out);
+  EXPECT_EQ(Remote({"features", "other"}).out, Remote({"features", "plate"}).out);
+  EXPECT_NE(Remote({"features", "plate"}).out.find("marker 1 7\nname 1 Corner\n"),
+            std::string::npos);
+  const Ran past = Remote({"features", "plate", "--revision", "2"});
+  EXPECT_EQ(past.out.find("Wall"), std::string::npos) << past.out;
+
+  // Files are those that `mesh` writes of the script.
+  for (const std::string markers : {"ids", "input"}) {
+    std::vector<std::string> mesh = {"mesh", again, "--markers", markers},
+                             exported = {"export", "plate", "--markers", markers},
+                             watched = {"watch", "plate", "--until", "3", "--markers", markers};
+    const std::vector<std::string> extensions = {".msh", ".vtu", ".mesh", ".node"};
+    for (const std::string& extension : extensions) {
+      for (const auto& [name, command] :
+           {std::pair{"a", &mesh}, std::pair{"b", &exported}, std::pair{"c", &watched}}) {
+        command->insert(command->end(), {"-o", folder_.path() + "/" + name + extension});
+      }
+    }
+    ASSERT_EQ(RunDynmesh(mesh).code, kExitDone);
+    const Ran written = Remote(exported);
+    ASSERT_EQ(written.code, kExitDone) << written.err;
+    ASSERT_EQ(Remote(watched).code, kExitDone);
+    for (const std::string& extension : extensions) {
+      const std::string wanted = folder_.Read("a" + extension);
+      EXPECT_EQ(folder_.Read("b" + extension), wanted) << markers << extension;
+      EXPECT_EQ(folder_.Read("c" + extension), wanted) << markers << extension;
+    }
+    if (markers == "ids") {
+      EXPECT_NE(folder_.Read("b.msh").find("\"Wall\""), std::string::npos);
+    }
+  }
+  const Ran told = Remote({"watch", "plate", "--until", "3", "--json"});
+  EXPECT_NE(told.out.find("{\"id\": \"1\", \"marker\": 7, \"name\": \"Corner\"}"),
+            std::string::npos)
+      << told.out;
+  EXPECT_EQ(Remote({"export", "plate", "--markers", "some", "-o", folder_.path() + "/x.msh"}).code,
+            kExitBadInput);
+
+  // What is wrong is named with its line.
+  const Ran absent = Remote({"apply", "plate", folder_.Write("b.dynmesh", "\nmarker 77 1\n")});
+  EXPECT_EQ(absent.code, kExitBadInput);
+  EXPECT_NE(absent.err.find("b.dynmesh:2: cannot label feature 77"), std::string::npos)
+      << absent.err;
+  const std::string long_name = "name 1 " + std::string(256, 'n') + "\n";
+  const Ran bad = Remote({"apply", "plate", folder_.Write("l.dynmesh", long_name)});
+  EXPECT_EQ(bad.code, kExitBadInput);
+  EXPECT_NE(bad.err.find("l.dynmesh:1: the name of feature 1"), std::string::npos) << bad.err;
+}
+
 }  // namespace
 }  // namespace dynmesh::cli

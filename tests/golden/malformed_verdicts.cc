@@ -1,6 +1,7 @@
 // Verdicts on edits that are malformed by themselves.
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "tests/golden/verdict_scene.h"
@@ -33,6 +34,10 @@ void AddMalformed(Scene& scene) {
   odd = point(30);
   odd.action = static_cast<Edit::Action>(9);
   scene.Validate("action unknown", {odd});
+  scene.Validate("label of nothing", {Edit::SetLabel(30, {1, "a"})});
+  scene.Validate("label long", {Edit::SetLabel(4, {1, std::string(kMostNameBytes + 1, 'a')})});
+  scene.Validate("label control", {Edit::SetLabel(4, {1, "a\nb"})});
+  scene.Validate("label not utf-8", {Edit::SetLabel(4, {1, "a\xff"})});
 
   const auto capsule = [](Path path) {
     return Edit::Add(Feature::SizeCapsule(30, std::move(path), 0.125, 0.1));

@@ -88,6 +88,10 @@ absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBat
       draft.erase(f.id);
       continue;
     }
+    if (batch[i].action == Edit::Action::kSetLabel) {
+      draft[f.id].label = f.label;
+      continue;
+    }
     for (int k = 0; k < 2 && f.kind == FeatureKind::kPoint; ++k) {
       if (!std::isfinite(f.position[k])) {
         return EditError(absl::StatusCode::kInvalidArgument, reason::kNotFinite, i, f.id);
@@ -96,7 +100,9 @@ absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBat
         return EditError(absl::StatusCode::kInvalidArgument, reason::kOutsideBox, i, f.id);
       }
     }
+    const OptionalLabel label = draft[f.id].label;
     draft[f.id] = f;
+    if (!f.label) draft[f.id].label = label;
   }
   std::set<std::array<double, 3>> places;
   for (const auto& [id, f] : draft) {
@@ -161,6 +167,9 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   mesh.region_sets.erase(std::unique(mesh.region_sets.begin(), mesh.region_sets.end(), same_id),
                          mesh.region_sets.end());
   mesh.hash = ComputeHash(mesh);
+  for (const auto& [id, f] : features) {
+    if (f.label) mesh.labels.push_back({id, *f.label});
+  }
   return mesh;
 }
 

@@ -203,6 +203,17 @@ TEST(WorkGate, ADrainWaitsForTicketsAndAdmitsNoMore) {
   leaver.join();
 }
 
+Edit Labelled(Edit edit, FeatureLabel label) {
+  edit.feature.label = std::move(label);
+  return edit;
+}
+
+// Journals have them: without labels they are as they were before there were any.
+TEST(RequestMemory, FingerprintsStay) {
+  const Fingerprint f = FingerprintOf({AddPoint(1), Edit::Remove(2)});
+  EXPECT_EQ(f, (Fingerprint{0xfebf9adab6a361c0, 0x8f2edbe2fed5d3cc}));
+}
+
 TEST(RequestMemory, FingerprintsTellBatchesApart) {
   const std::vector<EditBatch> batches = {
       {},
@@ -227,6 +238,21 @@ TEST(RequestMemory, FingerprintsTellBatchesApart) {
       {Edit::Add(Feature::Polygon(1, {{2, 3, 4, 5, 6, 7}}))},
       {Edit::Add(Feature::Polygon(1, {{2, 3, 4}, {5, 6, 7}}))},
       {Edit::Add(Feature::SizePolygon(1, {{2, 3, 4}}, 0.5))},
+      {Edit::SetLabel(1, {})},
+      {Edit::SetLabel(2, {})},
+      {Edit::SetLabel(1, {1, ""})},
+      {Edit::SetLabel(1, {-1, ""})},
+      {Edit::SetLabel(1, {0, "a"})},
+      {Edit::SetLabel(1, {0, "b"})},
+      {Edit::SetLabel(1, {1, "a"})},
+      {Edit::SetLabel(1, {0, "12345678"})},
+      {Edit::SetLabel(1, {0, "12345678a"})},
+      {Edit::SetLabel(1, {0, "a12345678"})},
+      {Labelled(AddPoint(1), {1, ""})},
+      {Labelled(AddPoint(1), {0, "a"})},
+      {Labelled(AddPoint(1), {0, "b"})},
+      {Labelled(AddPoint(1), {0, "a"}), AddPoint(2)},
+      {AddPoint(1), Labelled(AddPoint(2), {0, "a"})},
   };
   for (std::size_t i = 0; i < batches.size(); ++i) {
     EXPECT_EQ(FingerprintOf(batches[i]), FingerprintOf(EditBatch(batches[i])));

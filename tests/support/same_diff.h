@@ -20,6 +20,7 @@ inline void ExpectSameRows(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.added_subsegments, b.added_subsegments);
   EXPECT_EQ(a.added_subfacets, b.added_subfacets);
+  EXPECT_EQ(a.labels, b.labels);
 }
 
 inline void ExpectSameRows(const Mesh& a, const Mesh& b) {
@@ -29,6 +30,7 @@ inline void ExpectSameRows(const Mesh& a, const Mesh& b) {
   EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.subsegments, b.subsegments);
   EXPECT_EQ(a.subfacets, b.subfacets);
+  EXPECT_EQ(a.labels, b.labels);
 }
 
 // With its rows in canonical order.

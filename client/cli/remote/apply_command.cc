@@ -1,6 +1,7 @@
 // dynmesh apply MESH SCRIPT --server ADDR: sends an edit script to a server, one revision per
-// batch. Batches are pipelined and their diffs stream back. With --one-by-one each waits for the
-// previous one, and the measured time is a whole round trip.
+// batch, with the markers and names of features as their labels. Batches are pipelined and their
+// diffs stream back. With --one-by-one each waits for the previous one, and the measured time is a
+// whole round trip.
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -74,12 +75,9 @@ class Application {
       parse.dimension = mesh->options.dimension;
     }
     absl::StatusOr<io::EditScript> script = io::ReadEditScript(command_.script, parse);
-    if (script.ok() && !script->labels.empty()) {
-      PrintWarning(absl::StrFormat(
-          "%s: markers and names of features left out: a server's mesh has none", command_.script));
-    }
     if (!script.ok()) return script.status();
     script_ = *std::move(script);
+    script_.batches = io::LabelledBatches(script_);
     return absl::OkStatus();
   }
 

@@ -150,8 +150,8 @@ std::string MeshLine(const client::MeshInfo& mesh, bool json) {
 
 std::string DiffLine(const MeshDiff& diff, const char* event, bool json) {
   if (json) {
-    return JsonObject()
-        .AddText("event", event)
+    JsonObject line;
+    line.AddText("event", event)
         .Add("from_revision", diff.from_revision)
         .Add("revision", diff.to_revision)
         .Add("added_vertices", diff.added_vertices.size())
@@ -164,14 +164,29 @@ std::string DiffLine(const MeshDiff& diff, const char* event, bool json) {
         .Add("created", diff.work.created)
         .Add("dropped", diff.work.dropped)
         .Add("microseconds", diff.work.microseconds)
-        .AddText("hash", diff.hash.ToHex())
-        .ToLine();
+        .AddText("hash", diff.hash.ToHex());
+    AddLabels(diff.labels, line);
+    return line.ToLine();
   }
   return absl::StrFormat(
-      "revision %d: vertices +%d -%d, %s +%d -%d, %d operations, %.0f us, hash %s\n",
+      "revision %d: vertices +%d -%d, %s +%d -%d, %d operations, %.0f us, hash %s%s\n",
       diff.to_revision, diff.added_vertices.size(), diff.removed_vertices.size(),
       SimplicesWord(diff.dimension), diff.added_simplex_count(), diff.removed_simplex_count(),
-      diff.work.executed, diff.work.microseconds, diff.hash.ToHex());
+      diff.work.executed, diff.work.microseconds, diff.hash.ToHex(),
+      diff.labels.empty() ? "" : absl::StrFormat(", labels %d", diff.labels.size()));
+}
+
+void AddLabels(const LabelColumn& labels, JsonObject& line) {
+  if (labels.empty()) return;
+  std::vector<JsonObject> rows;
+  rows.reserve(labels.size());
+  for (const auto& [id, label] : labels) {
+    rows.push_back(JsonObject()
+                       .AddText("id", std::to_string(id))
+                       .Add("marker", label.marker)
+                       .AddText("name", label.name));
+  }
+  line.AddObjects("labels", rows);
 }
 
 int Print(const std::string& text) {

@@ -41,6 +41,8 @@ const char* WordOf(client::LoadProgress::Stage stage);
 
 // One line for a mesh, as text or JSON.
 std::string MeshLine(const client::MeshInfo& mesh, bool json);
+// Adds `labels` to a line of JSON, if there are any: objects with `id`, `marker` and `name`.
+void AddLabels(const LabelColumn& labels, JsonObject& line);
 // One line for a revision.
 std::string DiffLine(const MeshDiff& diff, const char* event, bool json);
 

@@ -21,12 +21,13 @@ struct FeaturesCommand {
   std::string output;
 };
 
-// A script from which `replay` makes the same mesh.
+// A script from which `replay` makes the same mesh, and `apply` the same labels.
 std::string ScriptOf(const codec::FeaturesAt& found, const MeshOptions& options) {
   std::string text = absl::StrCat(io::FormatMeshLine(options), "\n");
   for (const Feature& feature : found.features) {
     absl::StrAppend(&text, io::FormatEdit(Edit::Add(feature), options.dimension), "\n");
   }
+  for (const Feature& feature : found.features) text += io::FormatLabel(feature.id, *feature.label);
   return text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/input.h"
+#include "client/cli/labels.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
@@ -76,6 +77,7 @@ int Run(const LoadCommand& command) {
   if (const auto left_out = LabelsLeftOut(*input, command.input); !left_out.empty()) {
     PrintWarning(left_out);
   }
+  LabelFeatures(*input->labels, input->features);
   if (auto s = PrepareMesh(**client, command, *input); !s.ok()) return ReportError(s);
   ProgressBar bar(ErrorIsTerminal());
   client::LoadParams params;

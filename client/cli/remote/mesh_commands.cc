@@ -66,6 +66,7 @@ struct NamedCommand {
   std::string id;
   std::string region;
   OutputFlags output;
+  std::string markers;
 };
 
 int RunDelete(const NamedCommand& command) {
@@ -79,6 +80,10 @@ int RunDelete(const NamedCommand& command) {
 
 int RunExport(const NamedCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  MeshLabels labels;
+  if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
+    return ReportError(status);
+  }
   const auto region = ParseServerRegionFlag(command.region);
   if (!region.ok()) return ReportError(region.status());
   const auto client = Connect(command.server);
@@ -101,7 +106,7 @@ int RunExport(const NamedCommand& command) {
     if (!part.ok()) return ReportError(part.status());
   }
   WarnOfUnknownRegions(*region, *mesh);
-  MeshLabels labels;
+  labels.features = FileLabelsOf(mesh->labels);
   labels.is_part = !command.region.empty();
   if (auto status = WriteOutputs(*mesh, info->options, command.output, labels); !status.ok()) {
     return ReportError(status);
@@ -111,15 +116,16 @@ int RunExport(const NamedCommand& command) {
                                  mesh->vertices.size(), mesh->simplex_count(),
                                  SimplicesWord(mesh->dimension), mesh->hash.ToHex()));
   }
-  return Print(JsonObject()
-                   .AddText("mesh", command.id)
-                   .Add("revision", mesh->revision)
-                   .Add("vertices", mesh->vertices.size())
-                   .Add("simplices", mesh->simplex_count())
-                   .Add("subsegments", mesh->subsegments.size())
-                   .Add("subfacets", mesh->subfacets.size())
-                   .AddText("hash", mesh->hash.ToHex())
-                   .ToLine());
+  JsonObject line;
+  line.AddText("mesh", command.id)
+      .Add("revision", mesh->revision)
+      .Add("vertices", mesh->vertices.size())
+      .Add("simplices", mesh->simplex_count())
+      .Add("subsegments", mesh->subsegments.size())
+      .Add("subfacets", mesh->subfacets.size())
+      .AddText("hash", mesh->hash.ToHex());
+  AddLabels(mesh->labels, line);
+  return Print(line.ToLine());
 }
 
 }  // namespace
@@ -171,6 +177,7 @@ void RegisterExportCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option("MESH", command->id, "Its id")->required();
   AddRegionFlag(*sub, command->region);
   AddOutputFlags(*sub, command->output);
+  AddMarkersFlag(*sub, command->markers);
   sub->get_option("--output")->required();
   AddServerFlags(*sub, command->server);
 }

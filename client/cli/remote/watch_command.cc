@@ -24,6 +24,7 @@ struct WatchCommand {
   std::optional<std::uint64_t> until;
   std::string region;
   OutputFlags output;
+  std::string markers;
   bool progress = false;
 };
 
@@ -35,13 +36,13 @@ class Printer final : public client::WatchListener {
       : command_(command), region_(region) {}
 
   void OnSnapshot(const client::MeshReplica& replica) override {
-    Write(State("snapshot", replica), replica);
+    Write(State("snapshot", replica, true), replica);
   }
   void OnDiff(const client::MeshReplica& replica, const MeshDiff& diff) override {
     Write(DiffLine(diff, "diff", command_.server.json), replica);
   }
   void OnProgress(const client::MeshReplica& replica) override {
-    if (command_.progress) Write(State("progress", replica), replica);
+    if (command_.progress) Write(State("progress", replica, false), replica);
   }
   void OnTrouble(const absl::Status& status) override {
     PrintWarning(text::Concat(text::View(status.message()), " (the watch goes on)"));
@@ -58,17 +59,18 @@ class Printer final : public client::WatchListener {
   }
 
  private:
-  std::string State(const char* event, const client::MeshReplica& replica) const {
+  std::string State(const char* event, const client::MeshReplica& replica, bool with_labels) const {
     if (command_.server.json) {
-      return JsonObject()
-          .AddText("event", event)
+      JsonObject line;
+      line.AddText("event", event)
           .Add("revision", replica.revision())
           .Add("vertices", replica.vertex_count())
           .Add("simplices", replica.simplex_count())
           .Add("subsegments", replica.subsegment_count())
           .Add("subfacets", replica.subfacet_count())
-          .AddText("hash", replica.hash().ToHex())
-          .ToLine();
+          .AddText("hash", replica.hash().ToHex());
+      if (with_labels) AddLabels(replica.mesh().labels(), line);
+      return line.ToLine();
     }
     return absl::StrFormat("%s at revision %d: %d vertices, %d %s, hash %s\n", event,
                            replica.revision(), replica.vertex_count(), replica.simplex_count(),
@@ -108,6 +110,10 @@ int Run(const WatchCommand& command) {
   if (!command.output.paths.empty() && !command.until.has_value()) {
     return ReportError(absl::InvalidArgumentError("-o needs --until: of which revision?"));
   }
+  MeshLabels labels;
+  if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
+    return ReportError(status);
+  }
   const auto region = ParseServerRegionFlag(command.region);
   if (!region.ok()) return ReportError(region.status());
   const auto connection = Connect(command.server);
@@ -125,7 +131,8 @@ int Run(const WatchCommand& command) {
   const auto session = client->Watch(command.id, options, &printer);
   absl::Status status = printer.Wait();
   session->Stop();
-  if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output);
+  labels.features = FileLabelsOf(printer.mesh().labels);
+  if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output, labels);
   return status.ok() ? kExitDone : ReportError(status);
 }
 
@@ -142,6 +149,7 @@ void RegisterWatchCommand(CLI::App& app, CommandSlot& slot) {
                 "Tell, too, that the server is alive while nothing changes");
   AddRegionFlag(*sub, command->region);
   AddOutputFlags(*sub, command->output);
+  AddMarkersFlag(*sub, command->markers);
   AddServerFlags(*sub, command->server);
 }
 

@@ -18,6 +18,7 @@ from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._mesh import CompactMesh, Fields, Mesh
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
+from dynmesh._types import Label
 from dynmesh.errors import (
     AlreadyExists,
     Cancelled,
@@ -50,6 +51,7 @@ __all__ = [
     "FailedPrecondition",
     "Fields",
     "InvalidArgument",
+    "Label",
     "LimitExceeded",
     "Mesh",
     "NotFound",

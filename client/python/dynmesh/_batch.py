@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dynmesh import _core
-from dynmesh._types import Array
+from dynmesh._types import Array, Label
 
 
 def _columns(value: Any, what: str) -> tuple[Array, Array]:
@@ -93,6 +93,17 @@ def _remove(batch: Any, action: str, value: Any, what: str) -> None:
     batch.remove(_ids(value, what))
 
 
+def _labels(batch: Any, action: str, value: Any, what: str) -> None:
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{what}: a dict of id to Label, or to dict(marker=, name=)")
+    for id_, label in value.items():
+        if label is None:
+            label = Label()
+        elif not isinstance(label, Label):
+            label = Label(**label)
+        batch.label(id_, label.marker, label.name)
+
+
 _Adder = Callable[[Any, str, Any, str], None]
 _KINDS: dict[str, _Adder] = {"points": _points, "segments": _segments, "polygons": _polygons,
                              "sizes": _sizes}
@@ -101,6 +112,7 @@ _ACTIONS: dict[str, tuple[_Adder, str]] = {
     for kind, function in _KINDS.items() for action in ("add", "set")}
 _ACTIONS["move_points"] = (_points, "move")
 _ACTIONS["remove"] = (_remove, "")
+_ACTIONS["set_labels"] = (_labels, "")
 
 
 def make(dimension: int, edits: Mapping[str, Any]) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 import numpy as np
 
 from dynmesh import _core
-from dynmesh._types import Array
+from dynmesh._types import Array, Label
 from dynmesh.errors import StaleDiff
 
 if TYPE_CHECKING:
@@ -102,6 +102,15 @@ class Diff:
             for key, value in part.work.items():
                 total[key] += value
         return total
+
+    @property
+    def labels(self) -> dict[int, Label]:
+        """The labels that features have got, by id; an empty one where a feature has none any more.
+
+        A diff of several revisions may also have labels that are as before.
+        """
+        return {id_: Label(marker, name)
+                for part in self._parts for id_, marker, name in part.labels}
 
     @property
     def replayed(self) -> bool:

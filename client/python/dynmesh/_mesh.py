@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, Protocol
 import numpy as np
 
 from dynmesh import _batch, _core
-from dynmesh._types import Array
+from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
 from dynmesh.errors import FailedPrecondition, InvalidArgument
 
@@ -251,6 +251,11 @@ class Mesh:
         return self._replica.subfacet_owners
 
     @property
+    def labels(self) -> dict[int, Label]:
+        """The label of each feature that has one, by id. O(labels)."""
+        return {id_: Label(marker, name) for id_, marker, name in self._replica.labels}
+
+    @property
     def live_vertices(self) -> Array:
         """Mask of the vertex slots in use. O(mesh)."""
         return self.ids != 0
@@ -280,7 +285,10 @@ class Mesh:
                 ring of ids of points, or to a list of rings. `add_sizes`, `set_sizes`: a dict of id
                 to dict(target=, at=), dict(target=, at=, radius=), dict(target=, low=, high=),
                 dict(target=, rings=) or, for a capsule, dict(target=, path=, radius=) with the
-                positions of two or more vertices. `remove`: ids.
+                positions of two or more vertices. `remove`: ids. `set_labels`: a dict of id to
+                `Label` or dict(marker=, name=), of features present or added before it; None or an
+                empty one takes the label away. Features keep their labels when they are moved or
+                set.
             validate_only: checks whether the edits are legal, and changes nothing.
             progress: called during long batches in process with the stage, the steps done and the
                 total (0: unknown). An exception from it cancels the batch.
@@ -299,10 +307,11 @@ class Mesh:
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
         """Adds any number of features in one batch.
 
-        `edits` (only those that add) and `progress` are as in `apply`.
+        `edits` (only those that add, and `set_labels` of what they add) and `progress` are as in
+        `apply`.
         """
         for name in edits:
-            if not name.startswith("add_"):
+            if not name.startswith("add_") and name != "set_labels":
                 raise TypeError(f"a load adds features: there is no {name}")
         return self._advance(
             self._backend.load(self, _batch.make(self.dimension, edits), progress))
@@ -354,7 +363,7 @@ class Mesh:
         """The present features, or those of an earlier `revision` that the server keeps.
 
         A dict for each: `id`, `kind` ("point", "segment", "polygon", "size") and, by kind, `at`,
-        `ends`, `rings`, or the members of a size.
+        `ends`, `rings`, or the members of a size; with a label, `marker` and `name`.
         """
         return self._backend.features(revision)
 

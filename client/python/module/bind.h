@@ -26,6 +26,8 @@ struct Batch {
 
 // Converts the features of a batch or a mesh to Python objects, and back.
 pybind11::list FeatureDicts(const std::vector<Feature>& features, int dimension);
+// Tuples of id, marker and name.
+pybind11::list LabelTuples(const LabelColumn& labels);
 pybind11::dict OptionsDict(const MeshOptions& options);
 MeshOptions OptionsOf(const pybind11::dict& options);
 

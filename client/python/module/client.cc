@@ -2,6 +2,8 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include <map>
+
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "client/python/module/progress_call.h"
@@ -60,11 +62,29 @@ const char* NameOf(client::LoadProgress::Stage stage) {
   return kNames[static_cast<std::size_t>(stage)];
 }
 
-py::dict Load(MeshClient& client, const std::string& mesh, const Batch& batch,
-              const std::string& request_id, const py::object& progress) {
+// Those that the batch adds, with the labels that it sets then.
+std::vector<Feature> FeaturesOf(const Batch& batch) {
   std::vector<Feature> features;
   features.reserve(batch.edits.size());
-  for (const Edit& edit : batch.edits) features.push_back(edit.feature);
+  std::map<FeatureId, std::size_t>
+      rows;  // of the first of `features`, as far as they are looked for
+  for (const Edit& edit : batch.edits) {
+    if (edit.action != Edit::Action::kSetLabel) {
+      features.push_back(edit.feature);
+      continue;
+    }
+    while (rows.size() < features.size()) rows.emplace(features[rows.size()].id, rows.size());
+    const auto row = rows.find(edit.feature.id);
+    Require(row != rows.end(), "a load labels what it has added: there is no feature " +
+                                   std::to_string(edit.feature.id));
+    features[row->second].label = edit.feature.label;
+  }
+  return features;
+}
+
+py::dict Load(MeshClient& client, const std::string& mesh, const Batch& batch,
+              const std::string& request_id, const py::object& progress) {
+  const std::vector<Feature> features = FeaturesOf(batch);
   client::LoadParams params;
   params.request_id = request_id;
   params.dimension = batch.dimension;

@@ -105,6 +105,10 @@ void Remove(Batch& batch, const Ids& ids) {
   for (const std::uint64_t id : SpanOf(ids)) batch.edits.push_back(Edit::Remove(id));
 }
 
+void SetLabel(Batch& batch, FeatureId id, std::int64_t marker, const std::string& name) {
+  batch.edits.push_back(Edit::SetLabel(id, {marker, name}));
+}
+
 py::tuple Tuple(const std::array<double, 3>& position, int dimension) {
   if (dimension == 2) return py::make_tuple(position[0], position[1]);
   return py::make_tuple(position[0], position[1], position[2]);
@@ -143,7 +147,16 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
         }
         break;
     }
+    if (f.label) d["marker"] = f.label->marker, d["name"] = f.label->name;
     result.append(d);
+  }
+  return result;
+}
+
+py::list LabelTuples(const LabelColumn& labels) {
+  py::list result;
+  for (const auto& [id, label] : labels) {
+    result.append(py::make_tuple(id, label.marker, label.name));
   }
   return result;
 }
@@ -222,7 +235,8 @@ void BindEdits(py::module_& module) {
       .def("segments", &Segments)
       .def("polygon", &Polygon)
       .def("size", &Size)
-      .def("remove", &Remove);
+      .def("remove", &Remove)
+      .def("label", &SetLabel);
   module.def("known_options", [] {
     return std::vector<std::string>{"dimension", "box",      "kind",         "rho",
                                     "criterion", "max_edge", "min_dihedral", "max_vertices"};

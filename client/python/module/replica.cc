@@ -104,6 +104,7 @@ void BindReplica(py::module_& module) {
       .def_property_readonly("hash", [](const Diff& d) { return d.diff.hash.ToHex(); })
       .def_property_readonly("replayed", [](const Diff& d) { return d.replayed; })
       .def_property_readonly("work", &WorkDict)
+      .def_property_readonly("labels", [](const Diff& d) { return LabelTuples(d.diff.labels); })
       .def_property_readonly("counts", [](const Diff& d) {
         return py::make_tuple(d.diff.removed_vertices.size(), d.diff.added_vertices.size(),
                               d.diff.removed_simplex_count(), d.diff.added_simplex_count());
@@ -174,6 +175,7 @@ void BindReplica(py::module_& module) {
                                }
                                return sets;
                              })
+      .def_property_readonly("labels", [](const Replica& r) { return LabelTuples(r.labels()); })
       .def("compact", &CompactDict)
       .def("patch", &PatchDict)
       .def("find",

@@ -7,7 +7,8 @@
 //   dynmesh::Mesh whole = (*mesh)->Snapshot();
 //
 // Invariants, at every revision:
-//   1. the mesh is a function of options and feature set, bit for bit;
+//   1. the mesh is a function of options and feature set, bit for bit; labels of features affect
+//      nothing but Mesh::labels;
 //   2. a batch that fails, is cancelled, vetoed or taken back changes nothing;
 //   3. every simplex is Delaunay, every input point is a vertex, every input segment is a chain of
 //      edges, every simplex meets the quality bound (exceptions: quality.h, SimplexVerdict). Of a
@@ -127,7 +128,7 @@ class DynamicMesh {
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
 
-  // Undoes the last `revisions` revisions, the latest first. Mesh, trace and revision number are
+  // Undoes the last `revisions` revisions, the latest first. Mesh, labels, trace and revision are
   // then those of before. Expected time: that of the undone batches. The memory for it, O(what the
   // batches changed), is held until Settle. REQUIRES: at least `revisions` revocable batches were
   // applied since the last Settle.
@@ -199,8 +200,8 @@ struct BuildOptions {
 };
 
 // Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of
-// `features`, `options` and `build`.engine; the order of features does not matter. Errors: those of
-// Create and Apply.
+// `features`, `options` and `build`.engine; the order of features does not matter. It has the
+// labels of the features. Errors: those of Create and Apply.
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
                                const BuildOptions& build = {});
 

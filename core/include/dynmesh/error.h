@@ -17,8 +17,8 @@ namespace dynmesh {
 
 // Reasons, as in google.rpc.ErrorInfo: UPPER_SNAKE, stable. The status code of each:
 //   * INVALID_ARGUMENT: NOT_FINITE, OUTSIDE_BOX, BAD_ID, WRONG_KIND, DEGENERATE_SEGMENT,
-//     BAD_POLYGON, BAD_SIZE, BAD_OPTION, and TOO_CLOSE of a coordinate that is not 0 but below
-//     2^-200
+//     BAD_POLYGON, BAD_SIZE, BAD_LABEL, BAD_OPTION, and TOO_CLOSE of a coordinate that is not 0 but
+//     below 2^-200
 //   * NOT_FOUND: UNKNOWN_FEATURE
 //   * ALREADY_EXISTS: ID_IN_USE
 //   * FAILED_PRECONDITION: UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
@@ -52,6 +52,7 @@ inline constexpr char kPolygonsMeet[] = "POLYGONS_MEET";                 // 3D: 
 inline constexpr char kSmallAngle[] = "SMALL_INPUT_ANGLE";  // between segments, in 3D also facets
 inline constexpr char kTooClose[] = "TOO_CLOSE";            // nearer than the mesh's least distance
 inline constexpr char kBadSize[] = "BAD_SIZE";              // shape or target of a sizing feature
+inline constexpr char kBadLabel[] = "BAD_LABEL";            // the name of a label (label.h)
 inline constexpr char kBadPolygon[] = "BAD_POLYGON";        // rings are empty or repeat
 inline constexpr char kWrongKind[] = "WRONG_KIND";          // move of a segment, or an unknown kind
 inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";      // Limits::max_vertices

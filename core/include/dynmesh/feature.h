@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "dynmesh/label.h"
+
 namespace dynmesh {
 
 // Chosen by the client, unique in a mesh over all kinds of features. 1 to kLastFeatureId; of a
@@ -82,6 +84,9 @@ struct Feature {
   // polygons (mesh.h, RegionId). kSize: the region of a sizing polygon; its edges are not in the
   // mesh.
   Rings rings = {};
+  // The client's marker and name, if any; any kind. The mesh does not depend on it. An edit may
+  // carry it: Edit says what a missing one means.
+  OptionalLabel label = {};
 
   // A point `id` at (`x`, `y`), in 3D at (`x`, `y`, `z`).
   static Feature Point(FeatureId id, double x, double y, double z = 0) {
@@ -131,10 +136,11 @@ struct Feature {
 struct Edit {
   // What is done with the feature.
   enum class Action : std::uint8_t {
-    kAdd = 1,     // adds a feature; its id must be free
-    kSet = 2,     // replaces the present feature with that id
-    kRemove = 3,  // uses feature.id only
-    kMove = 4,    // moves a point with its segments; uses id and position only
+    kAdd = 1,       // adds a feature, with its label if it has one; its id must be free
+    kSet = 2,       // replaces the present feature with that id; keeps its label without a new one
+    kRemove = 3,    // also removes the label; uses feature.id only
+    kMove = 4,      // moves a point with its segments, keeps its label; uses id and position only
+    kSetLabel = 5,  // replaces the label of the present feature; uses id and label only
   };
   Action action = Action::kAdd;  // what is done
   Feature feature;               // the new feature; of kRemove the id only
@@ -152,6 +158,14 @@ struct Edit {
   // Moves the point `id` to (`x`, `y`), in 3D to (`x`, `y`, `z`).
   static Edit Move(FeatureId id, double x, double y, double z = 0) {
     return {Action::kMove, Feature::Point(id, x, y, z)};
+  }
+  // Gives the feature `id` this `label`, and no other; an empty one leaves it without. The mesh
+  // stays as it is: the diff of such a batch has labels only.
+  static Edit SetLabel(FeatureId id, FeatureLabel label) {
+    Edit e{Action::kSetLabel, {}};
+    e.feature.id = id;
+    e.feature.label = std::move(label);
+    return e;
   }
   friend bool operator==(const Edit&, const Edit&) = default;
 };

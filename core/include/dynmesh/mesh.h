@@ -147,6 +147,16 @@ struct SubfacetColumns {
 // The region of each of n simplices; empty if none lies in a polygon.
 using RegionColumn = std::vector<RegionId>;
 
+// A feature's label.
+struct LabelOfFeature {
+  FeatureId id = kNoFeature;  // the feature
+  FeatureLabel label = {};    // its marker and name
+  friend bool operator==(const LabelOfFeature&, const LabelOfFeature&) = default;
+};
+// Labels by ascending id, one a feature. They are functions of the features, as a mesh is. No hash
+// depends on them.
+using LabelColumn = std::vector<LabelOfFeature>;
+
 // Work of one propagation.
 struct WorkCounters {
   std::uint64_t executed = 0;        // operations run, new ones included
@@ -167,6 +177,7 @@ struct Mesh {
   std::vector<RegionSet> region_sets;  // those of `regions` with several polygons, by id
   SubsegmentColumns subsegments;       // of features and of the domain box
   SubfacetColumns subfacets;           // 3D only
+  LabelColumn labels;                  // of all features that have one; none is empty
   MeshHash hash;                       // ComputeHash of this mesh
 
   // The number of triangles or tetrahedra.
@@ -197,8 +208,12 @@ struct MeshDiff {
   std::vector<RegionSet> region_sets;
   SubsegmentColumns added_subsegments;  // of the second mesh only
   SubfacetColumns added_subfacets;      // 3D: of the second mesh only
-  WorkCounters work;                    // cost of making the diff
-  MeshHash hash;                        // of the mesh at to_revision
+  // The labels that features of the second mesh have and did not have before. An empty one says
+  // that the feature has none any more: it was cleared, or went with its feature. A diff of several
+  // revisions may also have labels that are as before.
+  LabelColumn labels;
+  WorkCounters work;  // cost of making the diff
+  MeshHash hash;      // of the mesh at to_revision
 
   // The number of added simplices.
   std::size_t added_simplex_count() const { return added_simplices.size() / (dimension + 1); }
@@ -211,15 +226,15 @@ MeshHash ComputeHash(const Mesh& mesh);
 
 // Sorts every column of `mesh`: vertices by id, simplices, subsegments and subfacets
 // lexicographically. Clears `regions` if all are kNoRegion, and drops region sets that no simplex
-// names. O(n lg n).
+// names. Labels are in order already. O(n lg n).
 void Canonicalize(Mesh& mesh);
 // The same with the columns of `diff`.
 void Canonicalize(MeshDiff& diff);
 
 // Applies `diff` to `mesh` and checks the hash. O(mesh); for O(diff) see dynmesh/slot_mesh.h.
-// INVALID_ARGUMENT if columns disagree in length or dimension; FAILED_PRECONDITION if mesh.revision
-// is not diff.from_revision; DATA_LOSS if a removed part is absent, an added one present, or the
-// hash disagrees. `mesh` is unspecified after an error.
+// INVALID_ARGUMENT if columns disagree in length or dimension, or labels do not ascend;
+// FAILED_PRECONDITION if mesh.revision is not diff.from_revision; DATA_LOSS if a removed part is
+// absent, an added one present, or the hash disagrees. `mesh` is unspecified after an error.
 absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff);
 
 }  // namespace dynmesh

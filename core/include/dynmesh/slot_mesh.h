@@ -218,6 +218,10 @@ class SlotMesh {
   const SlotColumn<FeatureId>& subfacet_owners() const;  // the feature of each
   // The sets of several polygons that regions() names, by id. O(sets lg sets).
   std::vector<RegionSet> region_sets() const;
+  // The labels of features, by id: as Mesh::labels. O(labels).
+  LabelColumn labels() const;
+  // The label of the feature `id`; an empty one if it has none. O(lg labels).
+  FeatureLabel FindLabel(FeatureId id) const;
 
   // Each of the following takes expected O(1).
 

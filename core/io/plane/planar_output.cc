@@ -79,14 +79,7 @@ absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& opti
   for (const Feature& f : features) out << FormatEdit(Edit::Add(f), options.dimension) << '\n';
   out << "commit\n";
   for (const Feature& f : features) {
-    if (const std::int64_t marker = labels.MarkerOf(f.id); marker != 0) {
-      out << "marker " << f.id << ' ' << marker << '\n';
-    }
-    std::string name = labels.NameOf(f.id);
-    for (char& c : name) c = c == '#' || static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    if (name.find_first_not_of(' ') != std::string::npos) {
-      out << "name " << f.id << ' ' << name << '\n';
-    }
+    out << FormatLabel(f.id, {labels.MarkerOf(f.id), labels.NameOf(f.id)});
   }
   return out.Close();
 }

@@ -67,6 +67,11 @@ std::string FormatMeshLine(const MeshOptions& options) {
 std::string FormatEdit(const Edit& edit, int dimension) {
   const Feature& f = edit.feature;
   if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
+  if (edit.action == Edit::Action::kSetLabel) {
+    if (!f.label) return Concat("marker ", f.id, " 0");
+    std::string lines = FormatLabel(f.id, *f.label);
+    return lines.substr(0, lines.size() - 1);
+  }
   const auto point = [&] {
     return Concat("point ", f.id, " ", FormatPosition(f.position, dimension));
   };

@@ -147,6 +147,7 @@ class ScriptParser {
     }
     script_.labels.markers.erase(*id);
     if (marker != 0) script_.labels.markers[*id] = marker;
+    NoteLabel(*id);
     return absl::OkStatus();
   }
 
@@ -159,6 +160,7 @@ class ScriptParser {
       name += Concat(i == 2 ? "" : " ", reader_.token(i));
     }
     script_.labels.names[*id] = std::move(name);
+    NoteLabel(*id);
     return absl::OkStatus();
   }
 
@@ -330,6 +332,13 @@ class ScriptParser {
   void Add(const Edit& edit) {
     batch_.edits.push_back(edit);
     batch_.lines.push_back(reader_.line());
+  }
+
+  void NoteLabel(FeatureId id) {
+    script_.label_lines.push_back({script_.batches.size(),
+                                   id,
+                                   {script_.labels.MarkerOf(id), script_.labels.NameOf(id)},
+                                   reader_.line()});
   }
 
   void EndBatch() {

@@ -9,7 +9,8 @@
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //                                 ... capsule X1 Y1 X2 Y2 ... RADIUS H    vertices of a polyline
 //   commit                        ends a batch = one revision
-//   marker ID N                   name ID TEXT           of a feature, for files; no edits
+//   marker ID N                   name ID TEXT           of a feature, for files; no edits of the
+//                                                        mesh (LabelledBatches: of its label)
 //
 // With dim=3 every position has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`, `...
 // disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`, `... capsule X1 Y1 Z1 ... RADIUS
@@ -37,6 +38,14 @@ struct ScriptBatch {
   std::vector<int> lines;  // of edits[i]
 };
 
+// A line with a marker or a name.
+struct LabelLine {
+  std::size_t batch = 0;  // of the edits around it; one past the last behind them
+  FeatureId id = kNoFeature;
+  FeatureLabel label;  // the feature's, after this line
+  int line = 0;
+};
+
 struct EditScript {
   std::string name;         // for messages: the path
   bool has_header = false;  // the `mesh` line
@@ -49,7 +58,8 @@ struct EditScript {
   std::optional<double> min_dihedral;
   int header_line = 0;
   std::vector<ScriptBatch> batches;
-  FeatureLabels labels;
+  FeatureLabels labels;                // after the last line
+  std::vector<LabelLine> label_lines;  // in their order
 
   // The header's options, with defaults for missing ones. Without a box: the box of all points in
   // the script, those of sizing features included.
@@ -59,6 +69,13 @@ struct EditScript {
   // "name:line: rho": the header's key for that member of MeshOptions; empty if it has none.
   std::string WhereOption(std::string_view option) const;
 };
+
+// The script's batches, with its labels in their edits, for a mesh that has labels. A line belongs
+// to the batch that it stands in, one behind the last edit to the last batch. An added feature gets
+// the label that it has at the end of its batch. Of other features a line becomes an edit of the
+// label, unless the script knows that the feature is not there (yet). Without batches, the lines
+// are one.
+std::vector<ScriptBatch> LabelledBatches(const EditScript& script);
 
 struct ScriptParseOptions {
   bool require_header = true;  // false if a mesh exists already
@@ -73,7 +90,10 @@ absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
 
 // The inverse: a script that parses to the same content.
 std::string FormatMeshLine(const MeshOptions& options);  // "mesh dim=2 ...", no newline
-// One line, no newline.
+// Its lines, each with its newline: of a marker, of a name, or none. In a name `#` becomes a blank,
+// since it begins a comment.
+std::string FormatLabel(FeatureId id, const FeatureLabel& label);
+// One line, no newline; of an edit that sets a label, FormatLabel without the last newline.
 std::string FormatEdit(const Edit& edit, int dimension = 2);
 
 // "x0,y0,x1,y1", in 3D "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.

@@ -132,6 +132,37 @@ def test_views_outlive_growth(random):
         mesh.points[0] = 1
 
 
+def test_labels(make_mesh):
+    mesh = make_mesh()
+    diff = mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2)}, add_segments={5: (1, 2)},
+                      set_labels={5: dict(marker=-7, name="Wände"), 1: dynmesh.Label(name="a")})
+    wall = dynmesh.Label(-7, "Wände")
+    assert diff.labels == mesh.labels == {1: dynmesh.Label(0, "a"), 5: wall}
+    features = {f["id"]: f for f in mesh.features()}
+    assert (features[5]["marker"], features[5]["name"]) == (-7, "Wände")
+    assert "marker" not in features[2]
+    before = mesh.hash
+    diff = mesh.apply(set_labels={1: None, 2: dict(marker=2**63 - 1)})
+    assert diff.labels == {1: dynmesh.Label(), 2: dynmesh.Label(2**63 - 1)}
+    assert mesh.hash == before and mesh.revision == 2
+    assert not len(diff.patch.added_cells) and not len(diff.patch.removed_cells)
+    assert mesh.apply(move_points={2: (0.7, 0.3)}).labels == {}
+    assert mesh.apply(remove=[5]).labels == {5: dynmesh.Label()}
+    assert mesh.labels == {2: dynmesh.Label(2**63 - 1)}
+    for bad, error, words in (({1: dict(name="x" * 256)}, dynmesh.DynmeshError, "BAD_LABEL"),
+                              ({1: dict(name="a\nb")}, dynmesh.DynmeshError, "BAD_LABEL"),
+                              ({77: dict(marker=1)}, dynmesh.DynmeshError, "UNKNOWN_FEATURE"),
+                              ({1: dict(mark=1)}, TypeError, "mark"),
+                              ([1], TypeError, "set_labels")):
+        with pytest.raises(error, match=words):
+            mesh.apply(set_labels=bad)
+    loaded = make_mesh()
+    loaded.load(add_points={1: (0.2, 0.2), 2: (0.8, 0.2)}, set_labels={2: dict(name="b")})
+    assert loaded.labels == {2: dynmesh.Label(0, "b")} and loaded.revision == 1
+    with pytest.raises((ValueError, dynmesh.DynmeshError)):
+        loaded.load(add_points={3: (0.5, 0.5)}, set_labels={4: dict(name="b")})
+
+
 def test_compact(make_mesh, random):
     mesh = make_mesh()
     mesh.apply(add_points=(np.arange(1, 41), random.random((40, 2))))

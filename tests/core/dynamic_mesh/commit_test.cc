@@ -41,6 +41,7 @@ struct Before {
     EXPECT_EQ(now.snapshot.vertices, snapshot.vertices);
     EXPECT_EQ(now.snapshot.subsegments, snapshot.subsegments);
     EXPECT_EQ(now.snapshot.subfacets, snapshot.subfacets);
+    EXPECT_EQ(now.snapshot.labels, snapshot.labels);
   }
   std::uint64_t revision;
   MeshHash hash;

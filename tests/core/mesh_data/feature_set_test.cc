@@ -49,8 +49,14 @@ TEST(FeatureSet, ActsAsAMapAndIsMadeOfAnyOther) {
   for (int step = 0; step < 200; ++step) {
     EditBatch batch;
     for (std::size_t i = random() % 8; i > 0; --i) {
-      const Feature feature = RandomFeature(1 + random() % 12, random);
+      Feature feature = RandomFeature(1 + random() % 12, random);
+      if (random() % 2 == 0) feature.label = {static_cast<std::int64_t>(random() % 3), ""};
       const auto it = model.find(feature.id);
+      if (it != model.end() && random() % 3 == 0) {
+        batch.push_back(Edit::SetLabel(feature.id, *feature.label));
+        it->second.label = feature.label;
+        continue;
+      }
       if (it == model.end()) {
         batch.push_back(Edit::Add(feature));
         model.emplace(feature.id, feature);
@@ -62,7 +68,9 @@ TEST(FeatureSet, ActsAsAMapAndIsMadeOfAnyOther) {
         it->second.position = {5, 6, 7};
       } else {
         batch.push_back(Edit::Set(feature));
+        const OptionalLabel label = it->second.label;
         it->second = feature;
+        if (!feature.label) it->second.label = label;
       }
     }
     ASSERT_TRUE(set.Apply(batch).ok());
@@ -75,10 +83,16 @@ TEST(FeatureSet, ActsAsAMapAndIsMadeOfAnyOther) {
     std::size_t same = 0;
     for (const Feature& f : then) same += model.contains(f.id) && model.at(f.id) == f;
     EXPECT_EQ(back.empty(), now == then);
-    // No edit of what is the same, one of each other.
-    std::size_t either = model.size();
-    for (const Feature& f : then) either += !model.contains(f.id);
-    EXPECT_EQ(back.size(), either - same);
+    // No edit of what is the same, one of each other; two where a set is to clear the label.
+    std::size_t either = model.size(), cleared = 0;
+    for (const Feature& f : then) {
+      either += !model.contains(f.id);
+      if (!model.contains(f.id) || f.label || !model.at(f.id).label) continue;
+      Feature bare = model.at(f.id);
+      bare.label = {};
+      cleared += bare != f;
+    }
+    EXPECT_EQ(back.size(), either - same + cleared);
     FeatureSet other = set;
     ASSERT_TRUE(other.Apply(back).ok());
     ASSERT_EQ(other.Sorted(), then);
@@ -93,6 +107,7 @@ TEST(FeatureSet, RefusesWhatCannotAct) {
   EXPECT_TRUE(absl::IsNotFound(set.Apply({Edit::Set(Feature::Point(2, 0, 0))})));
   EXPECT_TRUE(absl::IsNotFound(set.Apply({Edit::Move(2, 0, 0)})));
   EXPECT_TRUE(absl::IsNotFound(set.Apply({Edit::Remove(2)})));
+  EXPECT_TRUE(absl::IsNotFound(set.Apply({Edit::SetLabel(2, {})})));
   EXPECT_EQ(set.size(), 1u);
 }
 

@@ -68,8 +68,20 @@ Columns AnyConstraints(Random& random, const std::vector<VertexId>& ids, std::si
 
 }  // namespace internal
 
+// Of few values and ids, so that two meshes share some.
+inline LabelColumn AnyLabels(Random& random) {
+  static const char* const kNames[] = {"", "a", "Inlet"};
+  LabelColumn labels;
+  for (FeatureId id = 1; id < 12; id += 1 + random() % 3) {
+    const LabelOfFeature row = {
+        id, {static_cast<std::int64_t>(random() % 3) - 1, kNames[random() % 3]}};
+    if (!row.label.empty()) labels.push_back(row);
+  }
+  return labels;
+}
+
 // `count` vertices on a grid of some 1,600 positions (so that two meshes share some), twice as many
-// simplices, half as many subsegments and, in 3D, subfacets.
+// simplices, half as many subsegments and, in 3D, subfacets; and labels.
 inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision, int dimension = 2) {
   Mesh mesh;
   mesh.dimension = dimension;
@@ -97,6 +109,7 @@ inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision, int di
   if (dimension == 3) {
     mesh.subfacets = internal::AnyConstraints<SubfacetColumns>(random, ids, n / 2);
   }
+  mesh.labels = AnyLabels(random);
   mesh.hash = ComputeHash(mesh);
   return mesh;
 }
@@ -128,7 +141,8 @@ inline Mesh MakeUpLabelledMesh(Random& random, int count, std::uint64_t revision
 inline bool Identical(const Mesh& a, const Mesh& b) {
   return a.dimension == b.dimension && a.revision == b.revision && a.vertices == b.vertices &&
          a.simplices == b.simplices && a.regions == b.regions && a.region_sets == b.region_sets &&
-         a.subsegments == b.subsegments && a.subfacets == b.subfacets && a.hash == b.hash;
+         a.subsegments == b.subsegments && a.subfacets == b.subfacets && a.labels == b.labels &&
+         a.hash == b.hash;
 }
 
 }  // namespace dynmesh::testing

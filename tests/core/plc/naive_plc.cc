@@ -99,10 +99,14 @@ class Checker {
       error_at_ = i;
     };
     if (id == 0 || id >= FeatureId{0} - 65536) return fail(reason::kBadId);
+    const bool there = now_.contains(id);
+    if (edit.action == Edit::Action::kSetLabel) {  // changes no geometry, so it takes no blame
+      if (!there) fail(reason::kUnknownFeature);
+      return;
+    }
     last_[id] = i;
     if (error_) return;
     const bool is_set = edit.feature.kind == FeatureKind::kPolygon && id >= FeatureId{1} << 63;
-    const bool there = now_.contains(id);
     switch (edit.action) {
       case Edit::Action::kAdd:
         if (there) return fail(reason::kIdInUse);
@@ -122,6 +126,8 @@ class Checker {
         if (!there) return fail(reason::kUnknownFeature);
         if (now_[id].kind != FeatureKind::kPoint) return fail(reason::kWrongKind);
         now_[id].position = edit.feature.position;
+        break;
+      case Edit::Action::kSetLabel:
         break;
     }
   }

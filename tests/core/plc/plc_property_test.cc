@@ -205,6 +205,10 @@ class Generator {
     }
     draft[edit.feature.id] = edit.feature;
     batch.push_back(edit);
+    // Labels change no geometry, and are not to blame for it.
+    if (Chance(0.1)) {
+      batch.push_back(Edit::SetLabel(Chance(0.95) ? edit.feature.id : Int(1, 400), {1, "a"}));
+    }
   }
 
   // A point goes with its segments, mostly.

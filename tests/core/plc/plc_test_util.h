@@ -68,6 +68,9 @@ inline std::string ScriptOf(const EditBatch& batch) {
       case Edit::Action::kMove:
         out << "move ";
         break;
+      case Edit::Action::kSetLabel:
+        out << "marker " << f.id << " " << f.label->marker << "\n";
+        continue;
     }
     if (edit.action == Edit::Action::kMove || f.kind == FeatureKind::kPoint) {
       out << "point " << f.id << " " << f.position[0] << " " << f.position[1];

@@ -15,6 +15,11 @@
 namespace dynmesh::codec {
 namespace {
 
+Edit Labelled(Edit edit, FeatureLabel label) {
+  edit.feature.label = std::move(label);
+  return edit;
+}
+
 TEST(EditCodec, EveryKindOfEditComesBack) {
   const EditBatch batch = {
       Edit::Add(Feature::Point(1, 0.1, -0.0)),
@@ -30,6 +35,12 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
       Edit::Set(Feature::SizeCapsule(27, {}, -1, 0.3)),
       Edit::Set(Feature::Point(3, 1e-300, 5)),
       Edit::Remove(4),
+      Labelled(Edit::Add(Feature::Point(7, 1, 2)), {-5, "Inlet"}),
+      Labelled(Edit::Set(Feature::Segment(8, 1, 2)), {0, "W\xc3\xa4nde"}),
+      Labelled(Edit::Add(Feature::Polygon(9, {{1, 2, 3}})),
+               {std::numeric_limits<std::int64_t>::min(), ""}),
+      Edit::SetLabel(7, {std::numeric_limits<std::int64_t>::max(), "x"}),
+      Edit::SetLabel(8, {}),
       Edit::Move(5, 0.25, 0.75),
       Edit::Add(Feature::Point(6, std::numeric_limits<double>::infinity(), 0))};
   google::protobuf::RepeatedPtrField<v1::Edit> wire;
@@ -88,6 +99,18 @@ TEST(EditCodec, PolygonsWeighByTheirPointsAndRings) {
   // Two bytes on the wire, and more than twenty once it is read.
   for (int i = 0; i < 800; ++i) features.Mutable(1)->mutable_polygon()->add_rings();
   EXPECT_EQ(Weight(features), 4u + 2 * 10 + 300);
+}
+
+TEST(EditCodec, LabelsWeighByTheirNames) {
+  const Edit edit = Labelled(Edit::Add(Feature::Point(1, 0.5, 0.5)), {1, std::string(120, 'n')});
+  google::protobuf::RepeatedPtrField<v1::Edit> edits;
+  google::protobuf::RepeatedPtrField<v1::Feature> features;
+  EncodeEdit(edit, 2, edits.Add());
+  EncodeEdit(Edit::SetLabel(1, *edit.feature.label), 2, edits.Add());
+  EncodeFeature(edit.feature, 2, features.Add());
+  EXPECT_EQ(Weight(edits), 2u + 5);
+  EXPECT_EQ(Weight(features), 1u + 2);
+  EXPECT_EQ(Weight(EditBatch{edit, Edit::SetLabel(1, *edit.feature.label)}), 2u + 5);
 }
 
 TEST(EditCodec, CapsulesWeighByTheirVertices) {

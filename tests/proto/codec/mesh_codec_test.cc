@@ -66,6 +66,19 @@ std::vector<RegionSet> SetsOf(std::initializer_list<const RegionColumn*> columns
   return sets;
 }
 
+// Some rows say nothing, if they may; whole messages have no marker or no name.
+LabelColumn RandomLabels(std::mt19937_64& random, std::size_t n, bool all_named) {
+  LabelColumn labels;
+  for (std::size_t i = 0; i < n; ++i) {
+    LabelOfFeature row;
+    row.id = 10 * i + 1 + random() % 10;
+    if (i % 100 < 50) row.label.marker = static_cast<std::int64_t>(random());
+    if (all_named || i % 70 < 30) row.label.name = std::string(1 + random() % 255, 'n');
+    labels.push_back(row);
+  }
+  return labels;
+}
+
 MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
   std::mt19937_64 random(seed);
   const auto corners = static_cast<std::size_t>(dimension) + 1;
@@ -88,6 +101,7 @@ MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
     d.removed_subfacets = RandomSubfacets(random, n / 2);
     d.added_subfacets = RandomSubfacets(random, n);
   }
+  d.labels = RandomLabels(random, n, seed % 3 == 0);
   d.work = {1, 2, 3, 4.5, 1.5, 0.25};
   d.hash = {random(), random()};
   return d;
@@ -215,6 +229,45 @@ TEST(DiffCodec, RegionsThatMakeNoSenseAreRefused) {
   refuse([](v1::SimplexColumn& s, v1::RegionSet& set) { *s.add_region_sets() = set; });
 }
 
+TEST(DiffCodec, LabelsThatMakeNoSenseAreRefused) {
+  MeshDiff diff;
+  diff.to_revision = 1;
+  diff.labels = {{3, {1, "a"}}, {4, {}}, {7, {0, "b"}}};
+  const v1::MeshDiff good = Cut(diff, 1 << 20).fragments.at(0);
+  const auto back = DiffAssembler().Add(good);
+  ASSERT_TRUE(back.ok() && back->has_value()) << back.status();
+  EXPECT_EQ((*back)->labels, diff.labels);
+  const auto refuse = [&](auto change) {
+    v1::MeshDiff bad = good;
+    change(*bad.mutable_labels());
+    EXPECT_EQ(DiffAssembler().Add(bad).status().code(), absl::StatusCode::kDataLoss);
+  };
+  refuse([](v1::LabelColumns& l) { l.add_features(9); });
+  refuse([](v1::LabelColumns& l) { l.add_markers(9); });
+  refuse([](v1::LabelColumns& l) { l.mutable_names()->RemoveLast(); });
+  refuse([](v1::LabelColumns& l) { l.mutable_features()->SwapElements(0, 1); });
+  refuse([](v1::LabelColumns& l) { l.set_features(1, 3); });
+  refuse([](v1::LabelColumns& l) { l.set_features(0, 0); });
+  // Fragments in the wrong order.
+  const auto fragments = Cut(diff, 1).fragments;
+  ASSERT_EQ(fragments.size(), 3u);
+  DiffAssembler assembler;
+  ASSERT_TRUE(assembler.Add(fragments[1]).ok());
+  ASSERT_TRUE(assembler.Add(fragments[0]).ok());
+  EXPECT_FALSE(assembler.Add(fragments[2]).ok());
+}
+
+TEST(DiffCodec, MessagesWithoutMarkersOrNamesTellOfNone) {
+  MeshDiff diff;
+  diff.to_revision = 1;
+  diff.labels = {{3, {1, ""}}, {4, {-1, ""}}};
+  EXPECT_EQ(Cut(diff, 1 << 20).fragments.at(0).labels().names_size(), 0);
+  diff.labels = {{3, {0, "a"}}, {4, {}}};
+  EXPECT_EQ(Cut(diff, 1 << 20).fragments.at(0).labels().markers_size(), 0);
+  diff.labels = {};
+  EXPECT_FALSE(Cut(diff, 1 << 20).fragments.at(0).has_labels());
+}
+
 TEST(DiffCodec, WithoutColumnsThereIsOneSmallMessage) {
   DiffFragmenter fragmenter(std::make_shared<MeshDiff>(RandomDiff(6, 1000, 2)), true);
   v1::MeshDiff fragment;
@@ -265,6 +318,7 @@ TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
     mesh->region_sets = SetsOf({&mesh->regions});
     mesh->subsegments = RandomSubsegments(random, 50);
     if (dimension == 3) mesh->subfacets = RandomSubfacets(random, 70);
+    mesh->labels = RandomLabels(random, 90, true);
     mesh->hash = {random(), random()};
     std::vector<v1::SnapshotChunk> chunks;
     SnapshotFragmenter fragmenter(mesh, 5000);
@@ -287,6 +341,7 @@ TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
       EXPECT_EQ((*back)->dimension, dimension);
       EXPECT_EQ((*back)->subsegments, mesh->subsegments);
       EXPECT_EQ((*back)->subfacets, mesh->subfacets);
+      EXPECT_EQ((*back)->labels, mesh->labels);
       EXPECT_EQ((*back)->hash, mesh->hash);
       EXPECT_EQ((*back)->revision, 9u);
     }
@@ -294,6 +349,20 @@ TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
     ASSERT_TRUE(assembler.Add(chunks[0]).ok());
     EXPECT_EQ(assembler.Add(chunks[2]).status().code(), absl::StatusCode::kDataLoss);
     EXPECT_EQ(assembler.Add(chunks[1]).status().code(), absl::StatusCode::kDataLoss);
+  }
+}
+
+TEST(SnapshotCodec, LabelsThatMakeNoSenseAreRefused) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->labels = {{3, {1, "a"}}, {7, {0, "b"}}};
+  v1::SnapshotChunk good;
+  ASSERT_TRUE(SnapshotFragmenter(mesh).Next(&good));
+  ASSERT_TRUE(SnapshotAssembler().Add(good).ok());
+  for (const bool empty : {false, true}) {
+    v1::SnapshotChunk bad = good;
+    empty ? bad.mutable_labels()->set_markers(0, 0) : bad.mutable_labels()->set_features(0, 7);
+    if (empty) bad.mutable_labels()->set_names(0, "");
+    EXPECT_EQ(SnapshotAssembler().Add(bad).status().code(), absl::StatusCode::kDataLoss);
   }
 }
 

@@ -20,6 +20,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
+#include "server/journal/sqlite_schema.h"
 #include "tests/server/journal/durable_registry.h"
 #include "tests/server/journal/failing_vfs.h"
 #include "tests/server/journal/told.h"
@@ -179,11 +180,12 @@ TEST_F(SqliteJournalTest, ANewerSchemaIsRefused) {
   journal_.reset();
   {
     auto db = *sqlite::Connection::Open(File(), nullptr);
-    ASSERT_TRUE(db.Run("PRAGMA user_version = 10").ok());
+    ASSERT_TRUE(db.Run(absl::StrCat("PRAGMA user_version = ", kJournalSchema + 1).c_str()).ok());
   }
   const absl::Status refused = SqliteJournal::Open(folder_.path(), {}).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(refused));
-  EXPECT_TRUE(absl::StrContains(refused.message(), "schema 10")) << refused;
+  EXPECT_TRUE(absl::StrContains(refused.message(), absl::StrCat("schema ", kJournalSchema + 1)))
+      << refused;
 }
 
 TEST_F(SqliteJournalTest, AFileThatIsNoDatabaseIsRefused) {

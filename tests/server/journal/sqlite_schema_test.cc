@@ -93,6 +93,27 @@ TEST_F(SqliteSchemaTest, AFileOfTheFirstVersionGoesOn) {
   EXPECT_EQ(ToldPast(j, 1, 9, 10), "@7:p @7:q 8:e8 9:e9 10:e10 ");
 }
 
+// Schema 9 has the same tables, and no labels.
+TEST_F(SqliteSchemaTest, AFileBeforeLabelsGoesOn) {
+  ASSERT_TRUE(SqliteJournal::Open(folder_.path(), {}).ok());
+  const auto version = [&](const char* sql) {
+    auto db = *sqlite::Connection::Open(folder_.path() + "/journal.sqlite", nullptr);
+    sqlite::Statement row(db, sql);
+    return row.Step() ? row.Integer(0) : 0;
+  };
+  version("PRAGMA user_version = 9");
+  ASSERT_EQ(version("PRAGMA user_version"), 9);
+  const std::string before = SchemaOf(folder_.path());
+  {
+    const auto journal = SqliteJournal::Open(folder_.path(), {});
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    EXPECT_EQ(Told(**journal, 1), "?r3=A3 ?r4= @7:p @7:q 8:e8 9:e9 ");
+  }
+  EXPECT_EQ(version("PRAGMA user_version"), kJournalSchema);
+  EXPECT_EQ(SchemaOf(folder_.path()), before);
+  EXPECT_FALSE(CheckJournalSchema(kJournalSchema + 1).ok());
+}
+
 TEST_F(SqliteSchemaTest, ANewFileHasTheSameTables) {
   test::TempFolder fresh;
   ASSERT_TRUE(SqliteJournal::Open(folder_.path(), {}).ok());

@@ -82,6 +82,7 @@ Walk MakeUpWalk(std::uint64_t seed, int length, int dimension) {
       if (!owners->empty()) (*owners)[random() % 3] = 7 + random() % 2;
     }
     testing::Label(random, mesh);
+    mesh.labels = testing::AnyLabels(random);
     if (i > 0) {
       walk.diffs.push_back(
           std::make_shared<MeshDiff>(mesh_data::DiffMeshes(*walk.meshes.back(), mesh)));
@@ -190,6 +191,13 @@ TEST(DiffAlgebra, SizesCountRegionsAndTheirSets) {
   mesh = Mesh();
   mesh.subfacets = {{1, 2, 3}, {4}};
   EXPECT_EQ(ByteSize(mesh), ByteSize(Mesh()) + 32);
+  mesh = Mesh();
+  mesh.labels = {{1, {2, "abc"}}};
+  EXPECT_EQ(ByteSize(mesh), ByteSize(Mesh()) + sizeof(LabelOfFeature) + 3);
+  diff = MeshDiff();
+  diff.labels = mesh.labels;
+  EXPECT_EQ(ByteSize(diff), empty + sizeof(LabelOfFeature) + 3);
+  mesh.subfacets = {{1, 2, 3}, {4}};
   diff = MeshDiff();
   diff.added_subfacets = diff.removed_subfacets = mesh.subfacets;
   EXPECT_EQ(ByteSize(diff), empty + 64);
@@ -224,6 +232,21 @@ TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {
     EXPECT_GT(rows, 200u);
     EXPECT_LE(Compose(walk.diffs).added_subfacets.size(), 15u);
   }
+}
+
+// Of each feature the last label counts, also if it has none in the end.
+TEST(DiffAlgebra, LabelsOfJoinedDiffsAreTheLast) {
+  std::vector<std::shared_ptr<const MeshDiff>> diffs;
+  const LabelColumn columns[] = {{{1, {1, ""}}, {2, {0, "b"}}, {9, {9, ""}}},
+                                 {{2, {}}, {3, {3, "c"}}},
+                                 {{1, {1, "a"}}, {3, {}}}};
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    auto diff = std::make_shared<MeshDiff>();
+    diff->from_revision = i, diff->to_revision = i + 1;
+    diff->labels = columns[i];
+    diffs.push_back(diff);
+  }
+  EXPECT_EQ(Compose(diffs).labels, (LabelColumn{{1, {1, "a"}}, {2, {}}, {3, {}}, {9, {9, ""}}}));
 }
 
 TEST(DiffAlgebra, AVertexThatChangesOwnerTwiceEndsWithTheLast) {

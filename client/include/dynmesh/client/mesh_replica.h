@@ -6,7 +6,8 @@
 //
 // Invariants:
 //   1. while kLive, the mesh is the server's at revision(), bit for bit: every diff continued the
-//      one before, and the hash was right after each;
+//      one before, and the hash was right after each. Labels of features (SlotMesh::labels) follow
+//      the diffs, too; no hash depends on them;
 //   2. an event that does not fit makes the replica kBroken, with the mesh that it had, until a
 //      snapshot begins. No event is applied in doubt.
 //

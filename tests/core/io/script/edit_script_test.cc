@@ -104,6 +104,74 @@ TEST(EditScript, HasCapsulesOfAnyNumberOfVertices) {
   EXPECT_EQ(BoundingBox(features), script->Options().box);
 }
 
+Feature Labelled(Feature feature, FeatureLabel label) {
+  feature.label = std::move(label);
+  return feature;
+}
+
+TEST(EditScript, LabelsGoIntoTheBatchesThatTheyStandIn) {
+  const auto script = Parse(
+      "mesh\n"
+      "marker 4 7\n"  // of a point that comes later
+      "add point 1 0 0\n"
+      "add point 2 1 0\n"
+      "marker 1 5\n"
+      "name 1 The corner\n"
+      "name 9 Of the mesh\n"  // the script does not add it
+      "commit\n"
+      "marker 2 3\n"
+      "commit\n"  // no batch by itself: the line belongs to the next
+      "set point 2 1 1\n"
+      "remove 1\n"
+      "marker 1 6\n"
+      "add point 4 0 1\n"
+      "commit\n"
+      "add point 1 0 0\n"
+      "remove 4\n"
+      "add point 4 1 0\n"
+      "marker 4 0\n"
+      "commit\n"
+      "name 2 Behind\n");
+  ASSERT_TRUE(script.ok()) << script.status();
+  ASSERT_EQ(script->batches.size(), 3U);
+  for (const ScriptBatch& batch : script->batches) {
+    for (const Edit& edit : batch.edits) EXPECT_FALSE(edit.feature.label) << "for files only";
+  }
+  const std::vector<ScriptBatch> batches = LabelledBatches(*script);
+  ASSERT_EQ(batches.size(), 3U);
+  EXPECT_EQ(batches[0].edits,
+            (EditBatch{Edit::Add(Labelled(Feature::Point(1, 0, 0), {5, "The corner"})),
+                       Edit::Add(Feature::Point(2, 1, 0)), Edit::SetLabel(9, {0, "Of the mesh"})}));
+  EXPECT_EQ(batches[0].lines, (std::vector<int>{3, 4, 7}));
+  EXPECT_EQ(batches[1].edits, (EditBatch{Edit::Set(Feature::Point(2, 1, 1)), Edit::Remove(1),
+                                         Edit::Add(Labelled(Feature::Point(4, 0, 1), {7, ""})),
+                                         Edit::SetLabel(2, {3, ""})}));
+  EXPECT_EQ(
+      batches[2].edits,
+      (EditBatch{Edit::Add(Labelled(Feature::Point(1, 0, 0), {6, "The corner"})), Edit::Remove(4),
+                 Edit::Add(Feature::Point(4, 1, 0)), Edit::SetLabel(2, {3, "Behind"})}));
+  EXPECT_EQ(batches[2].lines.back(), 21);
+}
+
+TEST(EditScript, LabelsAloneAreABatch) {
+  const auto script = Parse("marker 1 5\ncommit\nmarker 2 0\nname 1 A b\n", false);
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_TRUE(script->batches.empty());
+  const std::vector<ScriptBatch> batches = LabelledBatches(*script);
+  ASSERT_EQ(batches.size(), 1U);
+  EXPECT_EQ(batches[0].edits, (EditBatch{Edit::SetLabel(1, {5, "A b"}), Edit::SetLabel(2, {})}));
+  EXPECT_EQ(batches[0].lines, (std::vector<int>{4, 3}));
+  EXPECT_TRUE(LabelledBatches(*Parse("mesh\n")).empty());
+}
+
+TEST(EditScript, LabelsAreFormattedAsLines) {
+  EXPECT_EQ(FormatLabel(3, {}), "");
+  EXPECT_EQ(FormatLabel(3, {-7, "In # let"}), "marker 3 -7\nname 3 In   let\n");
+  EXPECT_EQ(FormatEdit(Edit::SetLabel(3, {4, ""})), "marker 3 4");
+  EXPECT_EQ(FormatEdit(Edit::SetLabel(3, {4, "a"})), "marker 3 4\nname 3 a");
+  EXPECT_EQ(FormatEdit(Edit::SetLabel(3, {})), "marker 3 0");
+}
+
 TEST(EditScript, PolygonsHaveNoPlaceOfTheirOwn) {
   const auto script =
       Parse("mesh\nadd point 1 3 4\nadd polygon 2 1 1 1\nadd size 3 polygon 1 1 1 0.5\n");
