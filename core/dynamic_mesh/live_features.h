@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -44,7 +45,7 @@ class LiveFeatures : public DynamicMesh {
  public:
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) final;
   void TakeBack(std::size_t revisions) final;
-  void Settle() final { revocable_.clear(); }
+  void SettleAllBut(std::size_t revisions) final;
   void ResumeAt(std::uint64_t revision) final {
     Settle();
     revision_ = revision;
@@ -73,7 +74,7 @@ class LiveFeatures : public DynamicMesh {
 
  private:
   std::uint64_t revision_ = 0;
-  std::vector<plc::Delta<D>> revocable_;  // of the last revisions, in this order
+  std::deque<plc::Delta<D>> revocable_;  // of the last revisions, in this order
 };
 
 }  // namespace dynmesh
