@@ -3,14 +3,13 @@
 #include <iterator>
 
 #include "proto/codec/edit_codec.h"
-#include "server/revisions/diff_algebra.h"
 
 namespace dynmesh::server {
 namespace {
 
 std::size_t BytesOf(const HeldEdit& edit) {
   const std::size_t bytes = sizeof(HeldEdit) + codec::Weight(edit.job->edits) * sizeof(Edit);
-  return edit.outcome.ok() ? bytes + ByteSize(*edit.outcome->diff) : bytes;
+  return edit.outcome.ok() ? bytes + BytesOf(*edit.outcome) : bytes;
 }
 
 }  // namespace
