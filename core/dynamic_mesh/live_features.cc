@@ -1,7 +1,8 @@
 #include "core/dynamic_mesh/live_features.h"
 
 #include <algorithm>
-#include <span>
+#include <cassert>
+#include <cstddef>
 #include <utility>
 
 #include "core/base/steps.h"
@@ -92,14 +93,20 @@ absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const Ap
 
 template <int D>
 void LiveFeatures<D>::TakeBack(std::size_t revisions) {
-  const auto last = std::span(revocable_).last(revisions);
-  for (std::size_t i = revisions; i-- > 0;) {
-    plc().Commit(last[i].delta.Inverse());  // first: Undo may rebuild the present features
-    Undo(last[i].delta);
-    labels_.Undo(last[i].labels);
+  for (std::size_t i = 0; i < revisions; ++i) {
+    const Revocable& last = revocable_.back();
+    plc().Commit(last.delta.Inverse());  // first: Undo may rebuild the present features
+    Undo(last.delta);
+    labels_.Undo(last.labels);
+    revocable_.pop_back();
   }
   revision_ -= revisions;
-  revocable_.resize(revocable_.size() - revisions);
+}
+
+template <int D>
+void LiveFeatures<D>::SettleAllBut(std::size_t revisions) {
+  assert(revisions <= revocable_.size());
+  revocable_.erase(revocable_.begin(), revocable_.end() - static_cast<std::ptrdiff_t>(revisions));
 }
 
 template absl::StatusOr<plc::Delta<2>> CheckBatch(const plc::Plc<2>&, const plc::Edits&,

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -46,7 +47,7 @@ class LiveFeatures : public DynamicMesh {
  public:
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) final;
   void TakeBack(std::size_t revisions) final;
-  void Settle() final { revocable_.clear(); }
+  void SettleAllBut(std::size_t revisions) final;
   void ResumeAt(std::uint64_t revision) final {
     Settle();
     revision_ = revision;
@@ -84,7 +85,7 @@ class LiveFeatures : public DynamicMesh {
 
   std::uint64_t revision_ = 0;
   plc::LabelTable labels_;
-  std::vector<Revocable> revocable_;  // the last revisions, in this order
+  std::deque<Revocable> revocable_;  // the last revisions, in this order
 };
 
 }  // namespace dynmesh

@@ -75,6 +75,16 @@ void SerialQueue::Post(Task task, TaskOwner owner) {
   {
     const std::lock_guard lock(mutex_);
     tasks_.push_back({std::move(task), std::move(owner)});
+    if (scheduled_ || blocked_) return;
+    scheduled_ = true;
+  }
+  Schedule();
+}
+
+void SerialQueue::PostFirst(Task task) {
+  {
+    const std::lock_guard lock(mutex_);
+    first_.push_back(std::move(task));
     if (scheduled_) return;
     scheduled_ = true;
   }
@@ -86,7 +96,7 @@ bool SerialQueue::TryPost(Task task, std::size_t limit, TaskOwner owner) {
     const std::lock_guard lock(mutex_);
     if (tasks_.size() >= limit) return false;
     tasks_.push_back({std::move(task), std::move(owner)});
-    if (scheduled_) return true;
+    if (scheduled_ || blocked_) return true;
     scheduled_ = true;
   }
   Schedule();
@@ -119,13 +129,27 @@ void SerialQueue::Schedule() {
 
 std::optional<SerialQueue::Waiting> SerialQueue::Next(bool ends) {
   const std::lock_guard lock(mutex_);
-  if (tasks_.empty()) {
+  std::optional<Waiting> next;
+  if (!first_.empty()) {
+    next.emplace(Waiting{std::move(first_.front()), {}});
+    first_.pop_front();
+    blocked_ = false;  // after it
+  } else if (!blocked_ && !tasks_.empty()) {
+    next.emplace(std::move(tasks_.front()));
+    tasks_.pop_front();
+  } else {
     scheduled_ = !ends;
-    return std::nullopt;
   }
-  std::optional<Waiting> next(std::move(tasks_.front()));
-  tasks_.pop_front();
   return next;
+}
+
+void SerialQueue::RunOne(Waiting task) {
+  task.task();
+  if (!deferred_) return;
+  deferred_ = false;
+  const std::lock_guard lock(mutex_);
+  tasks_.push_front(std::move(task));
+  blocked_ = true;
 }
 
 void SerialQueue::Run() {
@@ -139,7 +163,7 @@ void SerialQueue::Run() {
       next = Next(rested);  // a task may have been posted meanwhile
     }
     if (!next.has_value()) return;
-    next->task();
+    RunOne(*std::move(next));
     rested = rest_ == nullptr;
     if (std::chrono::steady_clock::now() >= end) break;
   }

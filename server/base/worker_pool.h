@@ -59,7 +59,10 @@ struct TaskOwner {
 };
 
 // A strand: its tasks run on the pool in FIFO order, never two at a time, and take turns with the
-// other strands of the pool. Tasks may defer work to be done together to OnRest.
+// other strands of the pool. Tasks may leave work to be done together to OnRest.
+//
+// A task that has to wait for something else, such as a disk, gives its thread back (Defer): it
+// runs again, before all others, once a task of PostFirst says that the time has come.
 class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
  public:
   using Task = WorkerPool::Task;
@@ -76,17 +79,25 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
   static std::shared_ptr<SerialQueue> Create(WorkerPool* pool) { return Create(pool, Turn()); }
 
   void Post(Task task, TaskOwner owner = {});
+  // Ahead of all tasks of Post and TryPost, also while they wait for a deferred one. Such tasks run
+  // in the order of their posting and cannot be withdrawn.
+  void PostFirst(Task task);
   // False, and nothing is posted, if `limit` tasks wait already.
   bool TryPost(Task task, std::size_t limit, TaskOwner owner = {});
   // Removes the waiting tasks of owner `key`, then calls their `withdrawn` on this thread. A
   // running task continues.
   void Withdraw(const void* key);
 
+  // To be called by a running task of Post or TryPost that has done nothing: once it returns, it
+  // waits again, and with it all of these tasks, until a task of PostFirst has run; also one that
+  // was posted already. Then it is the first to run.
+  void Defer() { deferred_ = true; }
+
   // `rest` is called on the strand before it pauses: when no task waits, and before another
   // strand's turn. Call this before the first Post.
   void OnRest(Task rest) { rest_ = std::move(rest); }
 
-  // Number of waiting tasks, without the running one.
+  // Number of waiting tasks, without the running one and those of PostFirst.
   std::size_t waiting() const;
 
  private:
@@ -98,15 +109,20 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
 
   void Schedule();
   void Run();
+  // Runs a task, and puts it back if it deferred itself.
+  void RunOne(Waiting task);
   // The next task. If there is none and `ends`, the strand is unscheduled.
   std::optional<Waiting> Next(bool ends);
 
   WorkerPool* const pool_;
   const Turn turn_;
   Task rest_;
+  bool deferred_ = false;  // by the running task; used on the strand only
   mutable std::mutex mutex_;
   std::deque<Waiting> tasks_;
+  std::deque<Task> first_;
   bool scheduled_ = false;
+  bool blocked_ = false;  // the first of tasks_ was deferred
 };
 
 }  // namespace dynmesh::server

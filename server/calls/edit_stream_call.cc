@@ -94,6 +94,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       if (broken_ || current_->finished()) {
         context_.metrics->edits.of(EditSource::kEdit)
             .send.Observe(SecondsSince(current_->answered));
+        answer_bytes_ -= current_->bytes;
         current_.reset();
         --in_flight_;
       }
@@ -136,6 +137,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     absl::Status status;
     bool replayed = false;
     std::optional<codec::DiffFragmenter> fragmenter;
+    std::size_t bytes = 0;  // of its diff
     bool status_sent = false;
     MetricsClock::time_point answered = MetricsClock::now();
     WorkGate::Ticket ticket;
@@ -233,6 +235,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       answer.ticket = ticket;
       if (outcome.ok()) {
         answer.replayed = outcome->replayed;
+        answer.bytes = BytesOf(*outcome);
         answer.fragmenter.emplace(std::move(outcome->diff), omit || outcome->columns_omitted);
       }
       call->Deliver(std::move(answer));
@@ -289,6 +292,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
           stopped_ = true;
           EndLocked(answer.status);
         }
+        answer_bytes_ += answer.bytes;
         answers_.push_back(std::move(answer));
       }
       if (!writing_) {
@@ -337,6 +341,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   void DropAnswersLocked() {
     in_flight_ -= static_cast<int>(answers_.size());
+    for (const Answer& answer : answers_) answer_bytes_ -= answer.bytes;
     answers_.clear();
   }
 
@@ -348,6 +353,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   bool ResumeReadLocked() {
     if (reading_ || ended_ || in_flight_ >= context_.config.edit_window) return false;
+    if (answer_bytes_ > context_.config.edit_answer_bytes) return false;
     reading_ = true;
     return true;
   }
@@ -408,6 +414,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   absl::Status final_status_;
   std::deque<Answer> answers_;
   std::optional<Answer> current_;  // the answer being written
+  std::size_t answer_bytes_ = 0;   // of these
 };
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(

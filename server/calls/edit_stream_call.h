@@ -1,7 +1,8 @@
 // An EditStream call: batches in, answers out in the same order.
 //
-// Back-pressure: at most config.edit_window batches are received and not fully answered. At that
-// limit the call stops reading, and HTTP/2 flow control holds the client.
+// Back-pressure: at most config.edit_window batches are received and not fully answered, and no
+// batch is read while more than config.edit_answer_bytes of answers wait to be sent. At those
+// limits the call stops reading, and HTTP/2 flow control holds the client.
 #ifndef DYNMESH_SERVER_CALLS_EDIT_STREAM_CALL_H_
 #define DYNMESH_SERVER_CALLS_EDIT_STREAM_CALL_H_
 

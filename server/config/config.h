@@ -90,8 +90,11 @@ struct ServerConfig {
   absl::Duration batch_timeout = absl::Minutes(5);
   // Limit for one message to wait for the client to take it; then the call ends. 0: no limit.
   absl::Duration send_timeout = absl::Minutes(5);
-  // Batches of one EditStream that are received and not fully answered.
-  int edit_window = 128;
+  // Batches of one EditStream that are received and not fully answered. As many as are applied
+  // while a journal on other machines confirms those before them.
+  int edit_window = 512;
+  // Once more bytes of its answers wait for the client to take them, a stream reads no batch.
+  std::uint64_t edit_answer_bytes = 16 << 20;
 
   // Diffs kept of each mesh for watchers that reconnect. The newest diff is always kept.
   std::uint64_t history_revisions = 10'000;

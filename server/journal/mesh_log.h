@@ -6,8 +6,8 @@
 // or in the work to replay them: amortised O(1) for each byte and each operation of a batch. So,
 // above those minimums, a generation (journal.h) has at most twice the features' bytes, and
 // recovery takes at most three times as long as making the mesh from its features. The first batch,
-// often a whole load, serves as a snapshot. Calls block. Thread-compatible: belongs to the mesh's
-// strand.
+// often a whole load, serves as a snapshot. Calls block. Thread-compatible: the mesh's strand makes
+// one call at a time, or has another thread make it.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
@@ -72,12 +72,13 @@ class MeshLog {
   // Writes that revision and a snapshot. Errors as Append; a failed snapshot is logged.
   absl::Status AppendOtherBits(const DynamicMesh& mesh);
 
-  // To be called after a batch; O(1) unless a snapshot is due. A failure is logged, and retried
-  // later.
+  // True if a snapshot is due. O(1).
+  bool IsDue(const DynamicMesh& mesh) const;
+  // To be called after a batch, when the mesh is at the last revision that was written; O(1) unless
+  // a snapshot is due. A failure is logged, and retried later.
   void CompactIfDue(const DynamicMesh& mesh);
 
  private:
-  bool IsDue(const DynamicMesh& mesh) const;
   void Compact(const DynamicMesh& mesh);
 
   Journal* const journal_;

@@ -1,5 +1,7 @@
 #include "server/meshes/edit_group.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace dynmesh::server {
@@ -22,6 +24,14 @@ std::vector<MeshLog::Batch> EditGroup::Unwritten() const {
 void EditGroup::Add(HeldEdit edit) {
   if (edit.unwritten && edit.answer.from_revision != edit.answer.to_revision) ++revisions_;
   edits_.push_back(std::move(edit));
+}
+
+std::vector<HeldEdit> EditGroup::TakeAnswers() {
+  const auto end = std::ranges::find_if(edits_, &HeldEdit::unwritten);
+  std::vector<HeldEdit> answers(std::make_move_iterator(edits_.begin()),
+                                std::make_move_iterator(end));
+  edits_.erase(edits_.begin(), end);
+  return answers;
 }
 
 std::vector<HeldEdit> EditGroup::Take() {

@@ -1,7 +1,7 @@
-// Batches that a mesh's writer has applied and that wait to be written to the journal together, in
-// order. They are answered only after that. The group also holds answers that depend on these
-// changes, such as refusals: if the write fails, they fail with the same error. Thread-compatible:
-// belongs to the mesh's strand.
+// Batches that a mesh's writer has applied and that are written to the journal together, in order.
+// They are answered only after that. The group also holds answers that depend on these changes,
+// such as refusals: if the write fails, they fail, too. Thread-compatible: belongs to the mesh's
+// strand.
 #ifndef DYNMESH_SERVER_MESHES_EDIT_GROUP_H_
 #define DYNMESH_SERVER_MESHES_EDIT_GROUP_H_
 
@@ -27,12 +27,14 @@ struct HeldEdit {
   bool unwritten = false;       // it succeeded and waits for the journal,
   RequestMemory::Entry answer;  // to be written with this answer
   MeshStats stats;              // of the mesh after it
+  std::size_t bytes = 0;        // of edits and diff, as AppendPipeline counts them
 };
 
 class EditGroup {
  public:
   bool empty() const { return edits_.empty(); }
   const HeldEdit& front() const { return edits_.front(); }
+  std::size_t size() const { return edits_.size(); }
   // Number of revisions that its batches made.
   std::size_t revisions() const { return revisions_; }
   // The unwritten batch with this request_id; null if there is none.
@@ -41,6 +43,8 @@ class EditGroup {
   std::vector<MeshLog::Batch> Unwritten() const;
 
   void Add(HeldEdit edit);
+  // Removes and returns the answers before the first unwritten batch, in order.
+  std::vector<HeldEdit> TakeAnswers();
   // Returns all, in order, and empties the group.
   std::vector<HeldEdit> Take();
 

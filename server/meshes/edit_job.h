@@ -14,6 +14,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "server/meshes/batch_progress.h"
 #include "server/metrics/server_metrics.h"
+#include "server/revisions/diff_algebra.h"
 #include "server/revisions/request_memory.h"
 
 namespace dynmesh::server {
@@ -24,6 +25,8 @@ struct EditOutcome {
   bool replayed = false;         // a retry: it had been applied before
   bool columns_omitted = false;  // a retry; its diff is no longer held
 };
+// Of the diff.
+inline std::size_t BytesOf(const EditOutcome& outcome) { return ByteSize(*outcome.diff); }
 
 struct EditJob {
   EditBatch edits;

@@ -75,7 +75,7 @@ std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<Dynam
                                               options, std::move(past)));
   if (host->log_ != nullptr) {
     host->queue_->OnRest([weak = std::weak_ptr(host)] {
-      if (const auto held = weak.lock()) held->EndGroup();
+      if (const auto held = weak.lock()) held->AppendAtRest();
     });
   }
   return host;
@@ -86,14 +86,16 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
     : id_(std::move(id)),
       mesh_options_(mesh->options()),
       create_time_(now),
-      readers_(readers),
       max_waiting_(options.max_waiting),
       metrics_(options.metrics),
       max_features_(options.max_features),
       max_operations_(options.max_operations),
       memory_(options.memory),
-      turn_(options.turn),
-      queue_(SerialQueue::Create(writers, past.log == nullptr ? SerialQueue::Turn() : turn_)),
+      writers_(writers),
+      readers_(readers),
+      long_batch_(options.long_batch),
+      queue_(
+          SerialQueue::Create(writers, past.log == nullptr ? SerialQueue::Turn() : options.turn)),
       store_(past.store != nullptr
                  ? std::move(past.store)
                  : std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
@@ -107,6 +109,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       log_(std::move(past.log)),
       requests_(past.requests.has_value() ? *std::move(past.requests)
                                           : RequestMemory(options.remembered_requests)),
+      pipeline_(options.held),
       stats_(mesh_->Stats()) {}
 
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh was closed")); }
@@ -151,7 +154,7 @@ absl::Status MeshHost::Locate(std::vector<double> points,
                               std::function<void(absl::StatusOr<LocateAnswer>)> done) {
   auto shared = std::make_shared<std::vector<double>>(std::move(points));
   const auto task = [self = shared_from_this(), shared, done] {
-    self->EndGroup();
+    if (!self->IsWritten()) return;
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
     done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared),
                       self->mesh_->LeafSides(*shared)});
@@ -171,7 +174,7 @@ absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
     return absl::OkStatus();
   }
   const auto task = [self = shared_from_this(), revision, done] {
-    done(self->PresentFeatures(revision));  // there is no log, so no group
+    done(self->PresentFeatures(revision));  // there is no log, so nothing is held
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
   return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
@@ -206,20 +209,14 @@ MeshStats MeshHost::stats() const {
 }
 
 void MeshHost::Run(const std::shared_ptr<EditJob>& job) {
-  if (!CanBeHeld(*job)) EndGroup();
+  if (!IsItsTurn(*job)) return;
   const std::uint64_t before = mesh_->revision();
   HeldEdit edit(job);
-  SetRunning(job.get());
+  activity_.BeginApply(*job);
   edit.outcome = Answer(edit);
-  SetRunning(nullptr);
+  activity_.EndApply();
   if (!edit.outcome.ok() && job->stop != nullptr) job->stop->store(true);
-  if (edit.unwritten || !group_.empty()) {
-    if (group_.empty()) {
-      group_since_ = MetricsClock::now();
-      while_holding_ = shared_from_this();
-    }
-    return group_.Add(std::move(edit));
-  }
+  if (edit.unwritten || !pipeline_.empty()) return Hold(std::move(edit));
   // Answer the writer's caller first: the watchers' threads would compete with it.
   Finish(std::move(edit));
   if (mesh_->revision() != before) {
@@ -245,42 +242,9 @@ void MeshHost::Finish(HeldEdit edit) {
   job.done(std::move(edit.outcome));
 }
 
-void MeshHost::SetRunning(const EditJob* job) {
-  const std::lock_guard lock(mutex_);
-  running_ = job;
-  progress_ = {};
-  if (job != nullptr) reported_ = running_since_ = MetricsClock::now();
-}
-
 void MeshHost::SetProgress(const EditJob& job, const BatchProgress& progress) {
-  {
-    const std::lock_guard lock(mutex_);
-    progress_ = progress;
-  }
+  activity_.SetProgress(progress);
   if (job.progress != nullptr) job.progress(progress);
-}
-
-std::optional<MeshHost::Running> MeshHost::running() const {
-  const std::lock_guard lock(mutex_);
-  if (running_ == nullptr) return std::nullopt;
-  return Running{running_->edits.size(), progress_};
-}
-
-void MeshHost::ReportLongWork(absl::Duration interval) {
-  const auto now = MetricsClock::now();
-  const std::lock_guard lock(mutex_);
-  if (running_ == nullptr || absl::FromChrono(now - reported_) < interval) return;
-  reported_ = now;
-  Log(LogLevel::kInfo, "edit_running",
-      {{"mesh", id_},
-       {"call", running_->call_id},
-       {"edits", running_->edits.size()},
-       {"features", stats_.features},
-       {"stage", NameOf(progress_.stage)},
-       {"done", progress_.done},
-       {"total", progress_.total},
-       {"seconds", absl::ToInt64Seconds(absl::FromChrono(now - running_since_))},
-       {"waiting", queue_->waiting()}});
 }
 
 void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome) {
@@ -312,7 +276,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(HeldEdit& edit) {
       if (entry->content != content) return IdReused(job.request_id, entry->to_revision);
       return Replay(*entry);
     }
-    if (const HeldEdit* first = group_.Find(job.request_id)) {
+    if (const HeldEdit* first = pipeline_.Find(job.request_id)) {
       if (first->answer.content != content) {
         return IdReused(job.request_id, first->answer.to_revision);
       }
@@ -385,7 +349,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& 
   apply_options.max_operations = max_operations_;
   apply_options.progress = [&](const ApplyProgress& progress) {
     SetProgress(job, progress);
-    RelieveGroup();
+    Relieve();
   };
   const bool held = CanBeHeld(job);
   apply_options.revocable = held;
@@ -414,6 +378,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& 
 }
 
 absl::Status MeshHost::WriteDown(std::span<const MeshLog::Batch> batches, EditSource source) {
+  if (disowned_) return NotOwnerError(id_);
   const auto start = MetricsClock::now();
   absl::Status written = log_->Append(batches);
   if (metrics_ != nullptr) metrics_->of(source).journal.Observe(SecondsSince(start));

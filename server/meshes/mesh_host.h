@@ -7,11 +7,16 @@
 // readers are served on. If the journal's mesh has another owner, or an append's outcome is
 // unknown, the host steps down: it is closed, and all calls get NOT_OWNER.
 //
-// Small waiting batches share a sync: the writer applies them one after the other, writes them
-// together (EditGroup), then publishes and answers them in order. A group ends when no batch waits
-// (so a single batch is not delayed), after the strand's turn, and before any job that needs the
-// mesh as written: a large batch, a query, a snapshot. If the write fails, the group's batches are
-// undone, the last one first. Thread-safe.
+// With a log, small batches are applied ahead of the journal (AppendPipeline). The writer does not
+// wait for a sync or a commit: while one group of batches is written by another thread, it applies
+// the next group. When the write has ended, the strand settles the group, publishes and answers its
+// batches in order, and the next append has all that was applied meanwhile. If it failed, all that
+// is held is undone, the last batch first, and refused. A batch alone, with no other behind it, is
+// written by the strand's own thread: there is nothing else to do.
+//
+// What needs the mesh as written waits until nothing is held, and so does a snapshot for the
+// journal: a large batch, a revert, a query. It waits in the strand's queue and takes no thread
+// (SerialQueue::Defer). So does each batch while the limit of what is held is reached. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
 #define DYNMESH_SERVER_MESHES_MESH_HOST_H_
 
@@ -34,6 +39,8 @@
 #include "server/base/memory_guard.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/mesh_log.h"
+#include "server/meshes/append_pipeline.h"
+#include "server/meshes/batch_activity.h"
 #include "server/meshes/batch_progress.h"
 #include "server/meshes/edit_group.h"
 #include "server/meshes/edit_job.h"
@@ -60,8 +67,12 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::uint64_t max_features = ~std::uint64_t{0};
     std::uint64_t max_operations = 0;     // ApplyOptions::max_operations of every batch
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
-    // With a log: the largest group, large enough that a sync is a small part of its cost.
+    // With a log: what is applied before an append begins, unless one is under way. Large enough
+    // that a sync is a small part of its cost.
     SerialQueue::Turn turn = {128, std::chrono::milliseconds(8)};
+    AppendPipeline::Limits held;
+    // The batches before one that takes longer do not wait for its end.
+    MetricsClock::duration long_batch = std::chrono::milliseconds(8);
   };
   // The state of a mesh that is recovered, or is to outlive the process.
   struct Past {
@@ -126,14 +137,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshStats stats() const;  // of the head or the revision before it
   std::size_t waiting() const { return queue_->waiting(); }
 
-  // The running batch, if there is one.
-  struct Running {
-    std::size_t edits = 0;
-    BatchProgress progress;
-  };
-  std::optional<Running> running() const;
-  // Logs the running batch if it has run for more than `interval`; at most once per interval.
-  void ReportLongWork(absl::Duration interval);
+  // The batch that is applied or written, if there is one.
+  using Running = BatchActivity::Running;
+  std::optional<Running> running() const { return activity_.running(); }
+  // Logs that batch if it has run for more than `interval`; at most once per interval.
+  void ReportLongWork(absl::Duration interval) {
+    activity_.ReportLongWork(interval, id_, stats().features, waiting());
+  }
 
  private:
   MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
@@ -155,15 +165,24 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Lose(absl::string_view why);
   void RebaseIfDue();
 
-  // True if the batch may be written with others in a group.
+  // The pipeline, on the strand but for Write (mesh_host_appends.cc).
+  using FlightPtr = AppendPipeline::FlightPtr;
+  // True if the batch may be applied ahead and written with others.
   bool CanBeHeld(const EditJob& job) const;
-  // Writes the group. Then the mesh equals the journal's state, and the group is empty.
-  void EndGroup();
-  void PublishGroup();
-  void TakeBackGroup(const absl::Status& why);
-  void RelieveGroup();
+  // True if the job's turn has come. Else it is deferred until an append has ended.
+  bool IsItsTurn(const EditJob& job);
+  // True if the mesh equals the journal's state. Else the running task is deferred as well.
+  bool IsWritten();
+  void Hold(HeldEdit edit);
+  FlightPtr BeginFlight();
+  void BeginAppend();
+  void AppendAtRest();
+  void Write(AppendPipeline::Flight& flight);
+  void EndAppend(const FlightPtr& flight);
+  void PublishWritten();
+  void TakeBackHeld(const absl::Status& why);
+  void Relieve();
 
-  void SetRunning(const EditJob* job);
   void SetProgress(const EditJob& job, const BatchProgress& progress);
   void Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome);
 
@@ -172,12 +191,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::string id_;
   const MeshOptions mesh_options_;
   const absl::Time create_time_;
-  WorkerPool* const readers_;
   const std::size_t max_waiting_;
   EditMetrics* const metrics_;
   const std::uint64_t max_features_, max_operations_;
   const MemoryGuard* const memory_;
-  const SerialQueue::Turn turn_;
+  WorkerPool* const writers_;
+  WorkerPool* const readers_;
+  const MetricsClock::duration long_batch_;
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
@@ -188,19 +208,16 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::unique_ptr<DynamicMesh> mesh_;
   const std::unique_ptr<MeshLog> log_;
   RequestMemory requests_;
-  EditGroup group_;
-  MetricsClock::time_point group_since_;     // when the group's first batch was added
-  std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the group is not empty
+  AppendPipeline pipeline_;
+  std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the pipeline is not empty
+  bool snapshot_due_ = false;                // nothing more is applied until the pipeline is empty
 
   std::atomic<bool> rebasing_{false};
   std::atomic<bool> disowned_{false};
   mutable std::mutex mutex_;
   MeshStats stats_;
   absl::Status closed_;
-  const EditJob* running_ = nullptr;
-  BatchProgress progress_;  // of the running batch
-  MetricsClock::time_point running_since_;
-  MetricsClock::time_point reported_;  // or running_since_
+  BatchActivity activity_;
 };
 
 }  // namespace dynmesh::server

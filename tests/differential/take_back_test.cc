@@ -2,6 +2,7 @@
 // the same batches make the same revisions again.
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <string>
 #include <utility>
 #include <vector>
@@ -102,20 +103,75 @@ void ExpectGroupsToBeTakenBack(Generator generator, const LiveMeshTuning& tuning
   EXPECT_GT(taken, static_cast<std::size_t>(groups));
 }
 
+// Batches are applied, the oldest settled and the last taken back, in any order. `moments` has the
+// mesh before each revision that is not settled.
+template <int D, class Generator>
+void ExpectPrefixesToBeSettled(Generator generator, const LiveMeshTuning& tuning, int steps) {
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  LiveMesh<D> mesh(DefaultsIn<D>(), tuning);
+  Random random(kSeed + 1);
+  ApplyOptions revocable;
+  revocable.revocable = true;
+  std::deque<Moment<D>> moments;
+  int settled = 0, taken = 0;
+  for (int step = 0; step < steps; ++step) {
+    SCOPED_TRACE("step " + std::to_string(step));
+    const auto held = static_cast<int>(moments.size());
+    const int way = random.Below(5);
+    if (way == 0) {
+      const int kept = random.Below(held + 1);
+      const Moment<D> before(mesh);
+      mesh.SettleAllBut(static_cast<std::size_t>(kept));
+      before.ExpectAgain(mesh);
+      moments.erase(moments.begin(), moments.end() - kept);
+      settled += held - kept;
+    } else if (way == 1) {
+      const int gone = random.Below(held + 1);
+      mesh.TakeBack(static_cast<std::size_t>(gone));
+      if (gone > 0) moments[static_cast<std::size_t>(held - gone)].ExpectAgain(mesh);
+      moments.erase(moments.end() - gone, moments.end());
+      taken += gone;
+    } else {
+      const Moment<D> before(mesh);
+      const EditBatch batch = generator.Next(mesh.Features());
+      if (!batch.empty() && mesh.Apply(batch, revocable).ok()) moments.push_back(before);
+    }
+    const Difference d = CompareWithScratch(mesh, true, /*with_static=*/false);
+    ASSERT_FALSE(d.found) << d.what;
+    ASSERT_FALSE(testing::Test::HasFailure());
+  }
+  mesh.TakeBack(moments.size());
+  if (!moments.empty()) moments.front().ExpectAgain(mesh);
+  EXPECT_GT(settled, 0);
+  EXPECT_GT(taken, 0);
+}
+
 class TakeBack : public testing::TestWithParam<std::pair<Distribution, bool>> {};
 
-TEST_P(TakeBack, BringsTheFormerTraceBack) {
-  const auto [given, rebuild] = GetParam();
+LiveMeshTuning TuningOf(bool rebuild) {
   // Rebuilds, forth and back, whenever more than a few operations run: at any step of several.
   LiveMeshTuning anew;
   anew.rebuild.at_least = 4;
   anew.rebuild.at_least_work = 30;
   anew.rebuild.work = 0.1;
-  const LiveMeshTuning tuning = rebuild ? anew : AlwaysPropagate();
+  return rebuild ? anew : AlwaysPropagate();
+}
+
+TEST_P(TakeBack, BringsTheFormerTraceBack) {
+  const auto [given, rebuild] = GetParam();
   if (DimensionOf(given) == 2) {
-    ExpectGroupsToBeTakenBack<2>(ScriptGenerator(given, 12, kSeed), tuning, 12);
+    ExpectGroupsToBeTakenBack<2>(ScriptGenerator(given, 12, kSeed), TuningOf(rebuild), 12);
   } else {
-    ExpectGroupsToBeTakenBack<3>(ScriptGenerator(given, 10, kSeed), tuning, 4);
+    ExpectGroupsToBeTakenBack<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild), 4);
+  }
+}
+
+TEST_P(TakeBack, UndoesWhatIsNotSettled) {
+  const auto [given, rebuild] = GetParam();
+  if (DimensionOf(given) == 2) {
+    ExpectPrefixesToBeSettled<2>(ScriptGenerator(given, 12, kSeed), TuningOf(rebuild), 60);
+  } else {
+    ExpectPrefixesToBeSettled<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild), 30);
   }
 }
 

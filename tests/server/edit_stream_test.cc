@@ -300,6 +300,35 @@ TEST_F(EditStreamTest, TheServerReadsNoMoreThanItsWindow) {
   EXPECT_TRUE(stream.Finish().ok());
 }
 
+// Answers larger than what gRPC takes from a server whose client does not read.
+TEST_F(EditStreamTest, TheServerReadsNothingWhileManyBytesOfAnswersWait) {
+  ServerConfig config;
+  config.edit_answer_bytes = 1;
+  StartWithMesh(config);
+  RawEditStream stream(*stub_);
+  constexpr int kCount = 12, kPoints = 4'000;
+  std::thread sender([&] {
+    for (int i = 0; i < kCount; ++i) {
+      stream.message().set_mesh("meshes/m");
+      for (const Edit& edit : ManyPoints(static_cast<FeatureId>(1 + i * kPoints), kPoints)) {
+        stream.Add(edit);
+      }
+      EXPECT_TRUE(stream.Send());
+    }
+  });
+  for (int i = 1; i <= kCount; ++i) {
+    for (int look = 0; look < 20; ++look) {
+      EXPECT_LE(Host()->head().revision, static_cast<std::uint64_t>(i) + 4);
+      std::this_thread::yield();
+    }
+    auto part = stream.Receive();
+    while (part.has_value() && part->more()) part = stream.Receive();
+    EXPECT_EQ(part->to_revision(), static_cast<std::uint64_t>(i));
+  }
+  sender.join();
+  EXPECT_TRUE(stream.Finish().ok());
+}
+
 TEST_F(EditStreamTest, ACancelledStreamLeavesTheMeshUsable) {
   StartWithMesh();
   gate_->Hold();

@@ -44,7 +44,9 @@ class FakeDynamicMesh final : public DynamicMesh {
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                  const ApplyOptions& apply_options) override;
   void TakeBack(std::size_t revisions) override;
-  void Settle() override { revocable_.clear(); }
+  void SettleAllBut(std::size_t revisions) override {
+    revocable_.erase(revocable_.begin(), revocable_.end() - static_cast<std::ptrdiff_t>(revisions));
+  }
   void ResumeAt(std::uint64_t revision) override {
     Settle();
     mesh_.revision = revision;

@@ -120,6 +120,88 @@ TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {
   EXPECT_EQ(withdrawn.size() + ran.size(), 0u);
 }
 
+// A queue whose first task waits, so that others are posted behind it.
+struct HeldQueue {
+  explicit HeldQueue(WorkerPool* pool) : queue(SerialQueue::Create(pool)) {
+    queue->Post([this] {
+      begun.Put(0);
+      go.Take();
+    });
+    begun.Take();
+  }
+  const std::shared_ptr<SerialQueue> queue;
+  Mailbox<int> begun, go;
+};
+
+TEST(SerialQueue, ATaskOfPostFirstRunsAheadOfThoseThatWait) {
+  WorkerPool pool(2);
+  HeldQueue held(&pool);
+  std::string order;
+  for (const char c : {'c', 'd'}) held.queue->Post([&order, c] { order += c; });
+  for (const char c : {'a', 'b'}) held.queue->PostFirst([&order, c] { order += c; });
+  EXPECT_EQ(held.queue->waiting(), 2u);
+  held.go.Put(0);
+  pool.Stop();
+  EXPECT_EQ(order, "abcd");
+}
+
+TEST(SerialQueue, ADeferredTaskTakesNoThreadAndIsTheFirstAfterATaskOfPostFirst) {
+  WorkerPool pool(1);
+  const auto queue = SerialQueue::Create(&pool), other = SerialQueue::Create(&pool);
+  std::string order;
+  bool ready = false;
+  Mailbox<int> tried, beside;
+  queue->Post([&] {
+    tried.Put(0);
+    if (!ready) return queue->Defer();
+    order += 'b';
+  });
+  tried.Take();
+  queue->Post([&] { order += 'c'; });
+  other->Post([&] { beside.Put(0); });
+  beside.Take();  // on the only thread
+  EXPECT_EQ(queue->waiting(), 2u);
+  EXPECT_EQ(tried.size(), 0u);
+  queue->PostFirst([&] { order += '-'; });  // in vain
+  tried.Take();
+  queue->PostFirst([&] {
+    order += 'a';
+    ready = true;
+  });
+  tried.Take();
+  pool.Stop();
+  EXPECT_EQ(order, "-abc");
+}
+
+TEST(SerialQueue, ATaskOfPostFirstThatCameWhileOneDeferredItselfCounts) {
+  WorkerPool pool(2);
+  const auto queue = SerialQueue::Create(&pool);
+  Mailbox<int> done;
+  bool ready = false;
+  queue->Post([&] {
+    if (ready) return done.Put(0);
+    queue->PostFirst([&] { ready = true; });
+    queue->Defer();
+  });
+  done.Take();
+}
+
+TEST(SerialQueue, RestsWhenATaskIsDeferredAndItCanBeWithdrawn) {
+  WorkerPool pool(2);
+  const auto queue = SerialQueue::Create(&pool);
+  Mailbox<int> rested, withdrawn, ran;
+  queue->OnRest([&] { rested.Put(0); });
+  const int key = 0;
+  queue->TryPost([&] { queue->Defer(); }, 9, {&key, [&] { withdrawn.Put(0); }});
+  rested.Take();
+  queue->Post([&] { ran.Put(0); });
+  queue->Withdraw(&key);
+  withdrawn.Take();
+  queue->PostFirst([] {});
+  ran.Take();
+  pool.Stop();
+}
+
 TEST(ClientQuotas, EachClientHasItsOwn) {
   ClientQuotas quotas(2);
   const Lease a = quotas.Take("a");

@@ -130,11 +130,14 @@ class DynamicMesh {
 
   // Undoes the last `revisions` revisions, the latest first. Mesh, labels, trace and revision are
   // then those of before. Expected time: that of the undone batches. The memory for it, O(what the
-  // batches changed), is held until Settle. REQUIRES: at least `revisions` revocable batches were
-  // applied since the last Settle.
+  // batches changed), is held until they are settled. REQUIRES: the last `revisions` revisions were
+  // applied as revocable and are not settled.
   virtual void TakeBack(std::size_t revisions) = 0;
-  // Makes the batches applied so far permanent: TakeBack cannot undo them.
-  virtual void Settle() = 0;
+  // Makes all revisions permanent but the last `revisions`, and frees the memory for undoing them:
+  // TakeBack can no longer undo them. O(number of those settled). REQUIRES: as TakeBack.
+  virtual void SettleAllBut(std::size_t revisions) = 0;
+  // Makes all revisions so far permanent.
+  void Settle() { SettleAllBut(0); }
 
   // Sets the revision number to `revision` and settles. Nothing else changes. For a mesh that was
   // rebuilt from stored features.

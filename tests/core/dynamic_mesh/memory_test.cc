@@ -1,5 +1,6 @@
 // Memory follows the present features: it is released when features are removed.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <memory>
 #include <vector>
@@ -71,6 +72,38 @@ TEST_P(Memory, FollowsWhatIsThereOnTheWayDown) {
     EXPECT_TRUE(audit.problems.empty()) << audit.problems.front();
     EXPECT_EQ(audit.trace, scratch->Audit().trace);
   }
+}
+
+// What undoing takes is held for the revisions that are not settled, and for no others.
+TEST_P(Memory, ForUndoingIsReleasedWithWhatIsSettled) {
+  if (mallinfo2().uordblks == 0) GTEST_SKIP() << "the allocator does not tell";
+  test::Random random(GetParam() + 20);
+  const auto mesh = *DynamicMesh::Create(Options(GetParam()));
+  const std::vector<Feature> points = RandomPoints(GetParam(), random);
+  EditBatch remove;
+  for (const Feature& point : points) remove.push_back(Edit::Remove(point.id));
+  ApplyOptions revocable;
+  revocable.revocable = true;
+  const auto apply = [&](int pairs) {
+    for (int i = 0; i < pairs; ++i) {
+      ASSERT_TRUE(mesh->Apply(AddAll(points), revocable).ok());
+      ASSERT_TRUE(mesh->Apply(remove, revocable).ok());
+    }
+  };
+  constexpr int kPairs = 20;
+  apply(2);
+  mesh->Settle();
+  apply(kPairs);
+  const std::size_t all = mallinfo2().uordblks;
+  mesh->SettleAllBut(kPairs);
+  const std::size_t half = mallinfo2().uordblks;
+  mesh->SettleAllBut(kPairs);  // nothing
+  EXPECT_EQ(mallinfo2().uordblks, half);
+  mesh->Settle();
+  const std::size_t none = mallinfo2().uordblks;
+  constexpr std::size_t kLeast = std::size_t{kPairs} * kPoints * 2 * sizeof(double);
+  EXPECT_GT(all - half, kLeast);
+  EXPECT_GT(half - none, kLeast);
 }
 
 INSTANTIATE_TEST_SUITE_P(Dimensions, Memory, testing::Values(2, 3));

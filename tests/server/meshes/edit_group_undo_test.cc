@@ -11,41 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/journal_codec.h"
 #include "tests/server/meshes/edit_group_fixture.h"
+#include "tests/server/meshes/mesh_decorator.h"
 
 namespace dynmesh::server {
 namespace {
-
-// A mesh that records its audits, since the one in a host cannot be queried.
-class WatchedMesh final : public DynamicMesh {
- public:
-  WatchedMesh(std::unique_ptr<DynamicMesh> mesh, std::vector<MeshHash>* traces)
-      : mesh_(std::move(mesh)), traces_(traces) {}
-  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& options) override {
-    traces_->push_back(mesh_->Audit().trace);
-    return mesh_->Apply(batch, options);
-  }
-  void TakeBack(std::size_t revisions) override { mesh_->TakeBack(revisions); }
-  void Settle() override { mesh_->Settle(); }
-  void ResumeAt(std::uint64_t revision) override { mesh_->ResumeAt(revision); }
-  absl::Status Validate(const EditBatch& batch) const override { return mesh_->Validate(batch); }
-  Mesh Snapshot() const override { return mesh_->Snapshot(); }
-  SimplexColumn Locate(std::span<const double> points) const override {
-    return mesh_->Locate(points);
-  }
-  std::vector<double> LeafSides(std::span<const double> points) const override {
-    return mesh_->LeafSides(points);
-  }
-  std::vector<Feature> Features() const override { return mesh_->Features(); }
-  const MeshOptions& options() const override { return mesh_->options(); }
-  std::uint64_t revision() const override { return mesh_->revision(); }
-  MeshHash hash() const override { return mesh_->hash(); }
-  MeshStats Stats() const override { return mesh_->Stats(); }
-  AuditReport Audit() const override { return mesh_->Audit(); }
-
- private:
-  const std::unique_ptr<DynamicMesh> mesh_;
-  std::vector<MeshHash>* const traces_;  // before each Apply
-};
 
 // An undone batch leaves no trace, in the mesh's trace either.
 TEST_F(EditGroupTest, OneThatIsUndoneBringsTheFormerTraceBack) {
