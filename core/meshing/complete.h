@@ -161,7 +161,7 @@ void CompleteWork<D, E>::Insert(Context& context, Star<D>& star, const Link* lin
     }
   }
   const VertexIndex x =
-      EmitVertex(complex_, context, gap.x, ordinal, gap.facet == kNil ? D : 2, gap.facet);
+      EmitVertex(complex_, context, gap.x, ordinal, gap.facet == kNil ? D : 2, gap.facet, gap.axis);
   const int own = BucketOf(gap.e2);
   if (is_read_off) {  // requested when x is published (FirstGaps)
     complex_.hints.buckets[complex_.vertex(x).ordinal] = static_cast<std::uint16_t>(own);

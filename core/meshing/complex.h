@@ -20,6 +20,7 @@
 #include "core/meshing/facet_field.h"
 #include "core/meshing/input_features.h"
 #include "core/meshing/refinement_terms.h"
+#include "core/meshing/sharp_facets.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/spatial_tree.h"
@@ -84,13 +85,20 @@ struct Complex {
   // The ends of the input segment that v, of containing dimension 1, lies on.
   Facet::Edge SegmentOf(VertexIndex v) const;
   bool IsOnFacet(VertexIndex v, const Facet& facet) const;
-  // The shell on which v lies, if a split put it there (shells.h).
+  // The shell on which v lies, if a split put it there (shells.h), or as a counterpart.
   struct Shell {
-    VertexIndex apex, other;  // of the segment that it is on
-    double distance;          // from the apex
+    VertexIndex apex;
+    double distance;  // from the apex
+    Point towards;    // the segment's other end, or v
   };
   std::optional<Shell> ShellOf(VertexIndex v) const;
-  // True if both lie on one shell, on segments that meet at a small angle.
+  // Calls f(facet) for the facets with v inside, on an edge or at a corner.
+  template <class F>
+  void ForEachFacetOf(VertexIndex v, F f) const;
+  // 3D. What owns v, which is inside a facet or a segment.
+  OwnedVertex OwnedVertexOf(VertexIndex v) const;
+  // True if both lie on one shell, on segments that meet at a small angle; or on facets that do, as
+  // sharp_facets.h says.
   bool IsSeditious(VertexIndex v, VertexIndex u) const;
 
   // --- Input ------------------------------------------------------------------------------
@@ -163,6 +171,11 @@ struct Complex {
 
  private:
   bool IsOlder(const Vertex& u, const Vertex& v) const;
+  bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
+  bool HaveOneOrigin(VertexIndex v, VertexIndex u) const;
+  bool IsCounterpart(VertexIndex v) const { return elements.axis(v)[0] != kNil; }
+  // The vertex at work in v's creator.
+  VertexIndex VertexOfCreator(VertexIndex v) const;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -247,22 +260,95 @@ bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
 
 template <int D, template <class> class E>
 std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
+  if (IsCounterpart(v)) {
+    std::optional<Shell> shell = ShellOf(VertexOfCreator(v));
+    if (!shell || !std::ranges::count(elements.axis(v), shell->apex)) return std::nullopt;
+    shell->towards = vertex(v).p;
+    return shell;
+  }
   if (vertex(v).dimension != 1) return std::nullopt;
   const Subsegment& s = SplitAt(v);
   if (s.split_rule.kind != SplitRule::Kind::kShells) return std::nullopt;
   const bool from_b = s.split_rule.from_b;
-  return Shell{from_b ? s.whole_b : s.whole_a, from_b ? s.whole_a : s.whole_b,
-               SplitDistance(s.split_rule)};
+  return Shell{from_b ? s.whole_b : s.whole_a, SplitDistance(s.split_rule),
+               vertex(from_b ? s.whole_a : s.whole_b).p};
+}
+
+template <int D, template <class> class E>
+VertexIndex Complex<D, E>::VertexOfCreator(VertexIndex v) const {
+  if constexpr (kTraced) {
+    return engine.item(vertex(v).creator);
+  } else {
+    return vertex(v).creator;
+  }
+}
+
+template <int D, template <class> class E>
+template <class F>
+void Complex<D, E>::ForEachFacetOf(VertexIndex v, F f) const {
+  const Vertex& on = vertex(v);
+  if (on.dimension == D) return;
+  if (on.dimension == 2) return f(facets[facets.OfFeature(on.feature)]);
+  const auto [a, b] = on.dimension == 0 ? Facet::Edge(v, v) : SegmentOf(v);
+  for (const FacetIndex i : facets.AtCorner(a)) {
+    if (on.dimension == 0 || facets[i].HasEdge(a, b)) f(facets[i]);
+  }
+}
+
+template <int D, template <class> class E>
+OwnedVertex Complex<D, E>::OwnedVertexOf(VertexIndex v) const {
+  OwnedVertex owned;
+  if constexpr (D == 3) {
+    owned.p = vertex(v).p;
+    if (vertex(v).dimension == 2) {
+      owned.facet = &facets[facets.OfFeature(vertex(v).feature)];
+    } else {
+      const auto [a, b] = SegmentOf(v);
+      owned.ends = {a, b};
+      owned.positions = {vertex(a).p, vertex(b).p};
+    }
+    owned.is_counterpart = IsCounterpart(v);
+    if (const auto shell = ShellOf(v)) owned.apex = shell->apex;
+  }
+  return owned;
 }
 
 template <int D, template <class> class E>
 bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
-  if (vertex(v).dimension != 1 || vertex(u).dimension != 1) return false;
   if (!Counts(RefinementTerm::kSeditiousIsExempt)) return false;
+  return HaveOneOrigin(v, u) || AreOnOneShell(v, u);
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
+  if (!IsCounterpart(v) && !IsCounterpart(u)) return false;
+  // The corners that all counterparts from the origin on have their distance from in common.
+  Axis common = kNoAxis;
+  bool is_first = true;
+  const auto origin = [&](VertexIndex of) {
+    for (; IsCounterpart(of); of = VertexOfCreator(of)) {
+      const Axis& axis = elements.axis(of);
+      for (VertexIndex& c : common) {
+        if (!is_first && !std::ranges::count(axis, c)) c = kNil;
+      }
+      if (is_first) common = axis;
+      is_first = false;
+    }
+    return of;
+  };
+  if (origin(v) != origin(u)) return false;
+  const double chord2 = geometry::SquaredDistance(vertex(v).p, vertex(u).p);
+  return std::ranges::any_of(common, [&](VertexIndex c) {
+    return c != kNil && chord2 < geometry::SquaredDistance(vertex(v).p, vertex(c).p);
+  });
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::AreOnOneShell(VertexIndex v, VertexIndex u) const {
   const auto of_v = ShellOf(v), of_u = ShellOf(u);
   return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
-         of_v->other != of_u->other &&
-         geometry::IsSmallAngle(vertex(of_v->apex).p, vertex(of_v->other).p, vertex(of_u->other).p);
+         of_v->towards != of_u->towards &&
+         geometry::IsSmallAngle(vertex(of_v->apex).p, of_v->towards, of_u->towards);
 }
 
 template <int D, template <class> class E>

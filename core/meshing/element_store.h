@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/base/large_vector.h"
 #include "core/meshing/elements.h"
 
@@ -37,8 +38,21 @@ class ElementStore {
 
   void ReserveVertices(std::size_t count) { vertices_.reserve(count); }
   // A default element.
-  VertexIndex NewVertex() { return New(vertices_, free_vertices_); }
+  VertexIndex NewVertex() {
+    const VertexIndex v = New(vertices_, free_vertices_);
+    if (!axes_.empty()) axes_.erase(v);
+    return v;
+  }
   SubsegmentIndex NewSubsegment() { return New(subsegments_, free_subsegments_); }
+
+  // The axis of a counterpart, else kNoAxis.
+  const Axis& axis(VertexIndex v) const {
+    if (axes_.empty()) return kNoAxis;
+    const auto it = axes_.find(v);
+    return it == axes_.end() ? kNoAxis : it->second;
+  }
+  // REQUIRES: v is new.
+  void SetAxis(VertexIndex v, const Axis& axis) { axes_[v] = axis; }
 
   // The vertex appears or vanishes. REQUIRES: this is a change.
   void SetPresent(VertexIndex v, bool is) {
@@ -96,7 +110,8 @@ class ElementStore {
   }
 
   std::size_t bytes() const {
-    return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment);
+    return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
+           axes_.capacity() * (sizeof(VertexIndex) + sizeof(Axis) + 1);
   }
 
  private:
@@ -138,6 +153,7 @@ class ElementStore {
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_, changed_vertices_, released_vertices_;
   std::vector<SubsegmentIndex> free_subsegments_, changed_subsegments_, released_subsegments_;
+  absl::flat_hash_map<VertexIndex, Axis> axes_;  // of counterparts
   std::size_t vertex_count_ = 0;
   bool is_full_ = false;
 };

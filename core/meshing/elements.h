@@ -64,6 +64,11 @@ inline sac::Epoch CureEpoch(std::uint64_t round) {
 }
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 
+// The common edge or corner about which a vertex is the counterpart of its creator's
+// (sharp_facets.h): the ends, or one corner twice. kNil: it is no counterpart.
+using Axis = std::array<VertexIndex, 2>;
+inline constexpr Axis kNoAxis = {kNil, kNil};
+
 template <int D>
 struct Vertex {
   geometry::Point<D> p = {};

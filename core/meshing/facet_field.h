@@ -58,7 +58,7 @@ struct FacetExtent {
 class Facet {
  public:
   using Point = geometry::Point3;
-  using Edge = std::pair<VertexIndex, VertexIndex>;  // the lesser index first
+  using Edge = std::pair<VertexIndex, VertexIndex>;
 
   Facet() = default;
   // `position(v)`: the position of corner v.
@@ -73,8 +73,20 @@ class Facet {
   bool HasCorner(VertexIndex v) const {
     return std::binary_search(corners_.begin(), corners_.end(), v);
   }
+  // REQUIRES: v is a corner.
+  const Point& PositionOf(VertexIndex v) const {
+    const auto i = std::lower_bound(corners_.begin(), corners_.end(), v) - corners_.begin();
+    return positions_[static_cast<std::size_t>(i)];
+  }
   bool HasEdge(VertexIndex a, VertexIndex b) const {
-    return std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(a, b)));
+    return std::binary_search(edges_.begin(), edges_.end(), Edge(a, b));
+  }
+  // The edges, each in both directions, sorted.
+  std::span<const Edge> edges() const { return edges_; }
+  // Those that begin at corner v.
+  std::span<const Edge> EdgesAt(VertexIndex v) const {
+    const auto first = std::lower_bound(edges_.begin(), edges_.end(), Edge(v, 0));
+    return {first, std::upper_bound(first, edges_.end(), Edge(v, kNil))};
   }
   // True if p is less than `height` away from the plane and its foot is inside the facet.
   bool IsOver(const Point& p, double height) const {
@@ -86,6 +98,10 @@ class Facet {
   double reach() const { return reach_; }
   // True if p, near the plane, is inside.
   bool IsInside(const Point& p) const { return interior_.Holds(p); }
+  // True if `direction`, in the plane, leads from a corner at p into the inside.
+  bool OpensTo(const Point& p, const geometry::Vector3& direction) const {
+    return interior_.OpensTo(p, direction);
+  }
 
  private:
   FeatureSlot feature_ = kNil;
@@ -94,6 +110,7 @@ class Facet {
   geometry::FacetInterior interior_;
   double reach_ = 0;
   std::vector<VertexIndex> corners_;
+  std::vector<Point> positions_;  // of the corners
   std::vector<Edge> edges_;
 };
 
@@ -106,11 +123,14 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
       positions.push_back(position(ring[i]));
       corners_.push_back(ring[i]);
-      edges_.push_back(std::minmax(ring[i], ring[j]));
+      edges_.emplace_back(ring[i], ring[j]);
+      edges_.emplace_back(ring[j], ring[i]);
     }
   }
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
+  positions_.reserve(corners_.size());
+  for (const VertexIndex v : corners_) positions_.push_back(position(v));
   const geometry::FacetPlane plane = geometry::PlaneOf(rings_);
   interior_ = geometry::FacetInterior(rings_, plane);
   const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
@@ -18,12 +19,16 @@
 #include "core/meshing/cell_cut.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/refinement_terms.h"
+#include "core/meshing/sharp_facets.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
 
 // 0.5 and 0.6 make meshes 3 to 5 % larger.
 inline constexpr double kNearFacet = 0.7;
+// A counterpart may have vertices nearer to it than its vertex. They are as few as they are rare:
+// its first work comes as if the nearest were at half of that distance. It only has to come.
+inline constexpr double kNearCounterpart = 0.25;
 
 // A place on a facet; there is none if `facet` is null.
 struct PlaceOnFacet {
@@ -44,6 +49,29 @@ inline PlaceOnFacet FootNear(const FacetField& facets, const geometry::Point3& x
     nearest = {foot, &facet};
   });
   return nearest;
+}
+
+// The counterpart of v on the facet (sharp_facets.h), which v is not on; `nearest`: the place there
+// that is nearest to v. Of several the one nearest to v, of these the least. Nothing if there is
+// none.
+template <template <class> class E>
+std::optional<Counterpart> CounterpartOn(const Facet& facet, const Complex<3, E>& complex,
+                                         VertexIndex v, const geometry::Point3& nearest) {
+  const int dimension = complex.vertex(v).dimension;
+  if (dimension == 3) return std::nullopt;
+  const geometry::Point3& p = complex.vertex(v).p;
+  std::optional<Counterpart> best;
+  double least = INFINITY;
+  complex.ForEachFacetOf(v, [&](const Facet& own) {
+    const auto x = TurnedInto(facet, own, p);
+    if (!x) return;
+    const double d2 = geometry::SquaredDistance(x->p, p);
+    if (d2 > least || (d2 == least && !(x->p < best->p))) return;
+    best = x;
+    least = d2;
+  });
+  if (best || dimension == 0) return best;
+  return MovedInto(facet, complex.OwnedVertexOf(v), nearest);
 }
 
 // In 2D there are no facets: nothing is found. Thread-compatible.
@@ -69,6 +97,8 @@ class FacetWork {
   bool LeavesWhole(const Star<D>& star, FeatureSlot on);
 
  private:
+  // Moves the point of a facet to the counterpart of v there (sharp_facets.h), if there is one.
+  void MoveToCounterpart(VertexIndex v, Candidate<D>* point) const;
   // True if an edge of the star goes through the facet, with neither end on it.
   bool IsJoinedThrough(const Star<D>& star, const Facet& facet) const;
 
@@ -133,10 +163,23 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
       best->e2 = cut->distance2;
       best->facet = facet.feature();
     });
+    if (found) MoveToCounterpart(star.vertex(), best);
     best->required = found;
     return found;
   }
   return false;
+}
+
+template <int D, template <class> class E>
+void FacetWork<D, E>::MoveToCounterpart(VertexIndex v, Candidate<D>* point) const {
+  if constexpr (D == 3) {
+    const Facet& facet = complex_.facets[complex_.facets.OfFeature(point->facet)];
+    const auto other = CounterpartOn(facet, complex_, v, point->neighbour);
+    if (!other) return;
+    point->x = other->p;
+    point->e2 = kNearCounterpart * geometry::SquaredDistance(other->p, complex_.vertex(v).p);
+    point->axis = other->axis;
+  }
 }
 
 template <int D, template <class> class E>

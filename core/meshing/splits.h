@@ -42,12 +42,13 @@ std::pair<geometry::Point<D>, std::array<SplitRule, 2>> SplitOf(const Complex<D,
 // on.
 template <int D, template <class> class E>
 VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
-                       const geometry::Point<D>& p, int ordinal, int dimension,
-                       FeatureSlot feature) {
+                       const geometry::Point<D>& p, int ordinal, int dimension, FeatureSlot feature,
+                       const Axis& axis = kNoAxis) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kVertex) continue;
     const Vertex<D>& old = complex.vertex(IndexOf(o));
-    if (old.p == p && old.ordinal == ordinal && old.feature == feature && old.present) {
+    if (old.p == p && old.ordinal == ordinal && old.feature == feature &&
+        complex.elements.axis(IndexOf(o)) == axis && old.present) {
       context.Emit(o);
       return IndexOf(o);
     }
@@ -63,6 +64,7 @@ VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
     vertex.creator = context.item;
   }
   vertex.feature = feature;
+  if (axis != kNoAxis) complex.elements.SetAxis(v, axis);
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   vertex.ordinal = static_cast<std::uint8_t>(ordinal);
   context.Emit(MakeOutput(Made::kVertex, v));

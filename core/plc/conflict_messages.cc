@@ -105,16 +105,6 @@ std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
   if constexpr (D == 3) {
     const auto* f = std::get_if<Facet>(&a);
     const auto* g = std::get_if<Facet>(&b);
-    if (f != nullptr && g != nullptr) {
-      const double lean = LeastLean(*f, *g);
-      if (lean < 180 && !(LeastAngle(*f, *g) < kLeastFacetAngle)) {
-        return absl::StrFormat(
-            "%.6g degrees, between an edge of one and the inside of the other, beside a common "
-            "edge; where polygons meet at less than 90 degrees, no edge may be nearer to the other "
-            "polygon's inside than that one's edges are: move corners, or remove one of them",
-            lean);
-      }
-    }
     angle = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
             : f != nullptr               ? LeastAngle(*t, *f)
                                          : LeastAngle(*s, *g);

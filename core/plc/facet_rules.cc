@@ -23,10 +23,8 @@ using geometry::Vector3;
 
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
-// Compares angles by the sine of their difference to 90 degrees: sin(20 degrees), plus a millionth.
-constexpr double kMostLack = 0.3420201433256687 * kWider;
-// tan(60 degrees): between segments at 60 degrees or more there are no shells.
-constexpr double kMostTangent = std::numbers::sqrt3;
+// cos(40 degrees), plus a millionth.
+constexpr double kMostCosine = 0.76604444311897804 * kWider;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 
@@ -95,62 +93,6 @@ double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
   return cosine;
 }
 
-Vector3 UnitTo(const Facet& f, const Facet::Corner& from, const Facet::Corner& to) {
-  Vector3 d = Difference(f.PositionOf(to).c, f.PositionOf(from).c);
-  const double length = std::sqrt(Dot(d, d));
-  for (double& x : d) x /= length;
-  return d;
-}
-
-// Let b be the angle of f at corner `at` from its edge along the unit vector `along`, which is the
-// one to the corner `beside`, over its inside, towards the unit vector `inward`. The tangent of
-// b / 2, or of 60 degrees if that is less. Roots and fractions only: a verdict is the same on any
-// machine, which trigonometric functions of a library do not promise.
-double TangentOfHalf(const Facet& f, const Facet::Corner& at, FeatureId beside,
-                     const Vector3& along, const Vector3& inward) {
-  double tangent = kMostTangent;
-  for (const Facet::Corner& visit : f.At(at.id)) {
-    for (const bool next : {false, true}) {
-      const Facet::Corner other = f.Beside(visit, next);
-      if (other.id == beside) continue;
-      const Vector3 d = UnitTo(f, visit, other);
-      const double sine = Dot(d, inward), cosine = Dot(d, along);
-      // Else the angle is 180 degrees or more.
-      if (sine > 0 && 1 + cosine > 0) tangent = std::min(tangent, sine / (1 + cosine));
-    }
-  }
-  return tangent;
-}
-
-// The greatest cosine of the angles between f and edges of g that lean over it; -1 if there are
-// none.
-double CosineOfLean(const Facet& f, const Facet& g) {
-  double cosine = -1;
-  if (!Counts(ValidationTerm::kEdgesDoNotLean)) return cosine;
-  for (const Facet::Corner& at : f.corners()) {
-    for (const bool forward : {false, true}) {
-      const Facet::Corner beside = f.Beside(at, forward);
-      if (!g.HasEdge(at.id, beside.id)) continue;
-      const Vector3 along = UnitTo(f, at, beside), inward = f.InwardOf(forward ? at : beside);
-      const double tangent = TangentOfHalf(f, at, beside.id, along, inward);
-      for (const Facet::Corner& visit : g.At(at.id)) {
-        for (const bool next : {false, true}) {
-          const Facet::Corner other = g.Beside(visit, next);
-          if (f.HasEdge(at.id, other.id)) continue;
-          if (!geometry::IsSmallAngle(f.PositionOf(at), f.PositionOf(beside), g.PositionOf(other)))
-            continue;
-          const Vector3 edge = UnitTo(g, visit, other), off = Difference(edge, along);
-          // 1 - cos(a) is half of the squared length of `off`.
-          if (!(Dot(edge, inward) * tangent > 0.5 * Dot(off, off) / kWider)) continue;
-          const double up = Dot(edge, f.plane().normal);
-          cosine = std::max(cosine, std::sqrt(std::max(0.0, 1 - up * up)));
-        }
-      }
-    }
-  }
-  return cosine;
-}
-
 // Do the insides meet along a line between two common corners? If the planes differ, all common
 // corners are on their line of intersection.
 bool MeetBetween(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
@@ -192,7 +134,7 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
     if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are checked instead
     if (!Counts(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
-    if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostLack) return Conflict::kNone;
+    if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostCosine) return Conflict::kNone;
     const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
@@ -218,9 +160,8 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
   }
   const double lack =
       std::max({common.cosine, CosineAtCorners(f, g, common), CosineAtCorners(g, f, common)});
-  if (lack > kMostLack) return Conflict::kSmallAngle;
-  const bool leans = common.edges > 0 && std::max(CosineOfLean(f, g), CosineOfLean(g, f)) > -1;
-  return leans ? Conflict::kSmallAngle : Conflict::kNone;
+  if (lack > kMostCosine) return Conflict::kSmallAngle;
+  return Conflict::kNone;
 }
 
 double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
@@ -234,10 +175,6 @@ double LeastAngle(const Facet& f, const Facet& g) {
   const Common common = FindCommon(f, g);
   const double at_corners = std::max(CosineAtCorners(f, g, common), CosineAtCorners(g, f, common));
   return std::min(Degrees(common.cosine), Degrees(at_corners));
-}
-
-double LeastLean(const Facet& f, const Facet& g) {
-  return Degrees(std::max(CosineOfLean(f, g), CosineOfLean(g, f)));
 }
 
 }  // namespace dynmesh::plc

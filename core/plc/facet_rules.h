@@ -7,16 +7,10 @@
 // Beside the inside, the nearest part is an edge, and edges are segments with rules of their own.
 // So these rules need to treat only positions over the inside and lines that pass through it.
 //
-// Angles are at least 70 degrees (less a millionth of the sine; regular tetrahedra have 70.53):
+// Angles are at least 40 degrees (less a millionth of the cosine):
 //   * between two facets at a common edge;
 //   * between a facet and a segment that rises from one of its corners over its inside;
 //   * between a facet and such an edge of another facet, if only the corner is common.
-// Beside a common edge, at an angle of 70 to 90 degrees, an edge of one facet must not *lean* over
-// the other: near the corner no place of that one, at less than 60 degrees from the common edge,
-// may be nearer to it than to its own edges. This matters for edges at a sharp angle with the
-// common one: tan(a/2) must be at least cos(d) tan(b/2). Here a is that angle, d the one between
-// the facets, b the other facet's own there, at most 120 degrees. Else the two would be refined
-// towards the corner for ever (docs/space.md).
 #ifndef DYNMESH_CORE_PLC_FACET_RULES_H_
 #define DYNMESH_CORE_PLC_FACET_RULES_H_
 
@@ -26,7 +20,7 @@
 
 namespace dynmesh::plc {
 
-inline constexpr double kLeastFacetAngle = 70;  // degrees
+inline constexpr double kLeastFacetAngle = 40;  // degrees
 
 // The greatest allowed distance of corners from the plane: 1e-9 of the facet's extent, at least 8
 // ulps.
@@ -46,9 +40,6 @@ Conflict Between(const Facet& f, const Facet& g, double limit);
 // The least angle, in degrees, of those that must be kLeastFacetAngle; 180 if there are none.
 double LeastAngle(const SegmentFeature<3>& s, const Facet& f);
 double LeastAngle(const Facet& f, const Facet& g);
-// The least angle, in degrees, between an edge of one that leans over the other, and that one; 180
-// if none leans.
-double LeastLean(const Facet& f, const Facet& g);
 
 }  // namespace dynmesh::plc
 

@@ -37,7 +37,6 @@ enum class ValidationTerm {
   kFacetsDiffer,
   kAngleOfFacetsAtEdges,
   kAngleOfFacetsAtCorners,
-  kEdgesDoNotLean,  // over another facet, at a sharp angle with the common edge
   // A batch.
   kLoadsAreChecked,       // many points at once are tested for their distances
   kRemovedIsGone,         // what the batch removes is in the way of nothing

@@ -208,19 +208,34 @@ class Judge<3> {
 
  private:
   const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
-  // Of one over rho: is it within rho of its shortest edge that is not seditious?
+  // Of one over rho: is it within rho of its shortest edge that counts? Corners that seditious
+  // edges join stand for one: of the edges between two such groups the longest counts. (The other
+  // corners of the groups hide the gaps of the shorter ones from the mesher.)
   bool IsExcused(const Rows<3>& rows, const Quality& q) const {
     if (std::isinf(q.radius_edge)) return false;
-    double shortest = std::numeric_limits<double>::infinity();
+    std::array<std::size_t, 4> group = {0, 1, 2, 3};
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        if (seditious_.Has(rows[i], rows[j])) continue;
+        if (group[i] == group[j] || !seditious_.Has(rows[i], rows[j])) continue;
+        std::ranges::replace(group, std::size_t{group[i]}, std::size_t{group[j]});
+      }
+    }
+    std::array<std::array<double, 4>, 4> longest2 = {};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
         double d2 = 0;
         for (std::size_t k = 0; k < 3; ++k) {
           const double d = At(rows[i])[k] - At(rows[j])[k];
           d2 += d * d;
         }
-        shortest = std::min(shortest, std::sqrt(d2));
+        double& most2 = longest2[std::max(group[i], group[j])][std::min(group[i], group[j])];
+        most2 = std::max(most2, d2);
+      }
+    }
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (longest2[i][j] > 0) shortest = std::min(shortest, std::sqrt(longest2[i][j]));
       }
     }
     if (!(shortest > q.shortest_edge) || std::isinf(shortest)) return shortest > q.shortest_edge;

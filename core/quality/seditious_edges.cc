@@ -1,5 +1,6 @@
 #include "core/quality/seditious_edges.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -25,12 +26,14 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
   // Each vertex inside a segment has a neighbour on either side.
   absl::flat_hash_map<Row, std::array<Row, 2>> beside;
   std::vector<std::array<Row, 2>> starts;  // the end of a segment, and the vertex next to it
+  std::vector<std::pair<Row, Row>> ways;   // the same of all segments
   for (std::size_t s = 0; s < mesh.subsegments.size(); ++s) {
     if (mesh.subsegments.owners[s] == kBoxFeature) continue;
     const auto a = row_of.find(mesh.subsegments.ends[2 * s]);
     const auto b = row_of.find(mesh.subsegments.ends[2 * s + 1]);
     if (a == row_of.end() || b == row_of.end()) continue;
     for (const auto& [from, to] : {std::pair(a->second, b->second), {b->second, a->second}}) {
+      if (!is_inner(from)) ways.emplace_back(from, to);
       if (is_inner(from)) {
         const auto [it, is_first] = beside.try_emplace(from, std::array{to, to});
         if (!is_first) it->second[1] = to;
@@ -51,9 +54,42 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
     }
     ends_.push_back({end, row});
   }
+  if (mesh.dimension == 3 && mesh.subfacets.size() > 0) corners_ = SharpCorners(mesh, row_of, ways);
 }
 
 bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {
+  return IsOfSegments(p, q) || (!corners_.empty() && IsOfFacets(p, q));
+}
+
+bool SeditiousEdges::IsOfFacets(std::size_t p, std::size_t q) const {
+  const auto at = [&](std::size_t row) {
+    const double* const x = &mesh_.vertices.coordinates[3 * row];
+    return geometry::Point3{{x[0], x[1], x[2]}};
+  };
+  const double chord = std::sqrt(geometry::SquaredDistance(at(p), at(q)));
+  const auto is_common = [&](std::size_t corner) {
+    const double to_p = std::sqrt(geometry::SquaredDistance(at(corner), at(p)));
+    const double to_q = std::sqrt(geometry::SquaredDistance(at(corner), at(q)));
+    return chord < to_p && std::fabs(to_p - to_q) <= tolerance_;
+  };
+  // The sharp corners of the features of a vertex: of its facets, and the ends of its segment.
+  const auto of = [&](std::size_t row) {
+    std::vector<std::size_t> corners = corners_.Of(row);
+    if (const auto s = segment_of_.find(row); s != segment_of_.end()) {
+      for (const std::size_t end : ends_[s->second]) {
+        if (corners_.Has(end)) corners.push_back(end);
+      }
+    }
+    return corners;
+  };
+  const std::vector<std::size_t> of_q = of(q);
+  if (of_q.empty()) return false;
+  return std::ranges::any_of(of(p), [&](std::size_t corner) {
+    return std::ranges::find(of_q, corner) != of_q.end() && is_common(corner);
+  });
+}
+
+bool SeditiousEdges::IsOfSegments(std::size_t p, std::size_t q) const {
   const VertexColumns& v = mesh_.vertices;
   const auto s = segment_of_.find(p), t = segment_of_.find(q);
   if (s == segment_of_.end() || t == segment_of_.end() || s->second == t->second) return false;

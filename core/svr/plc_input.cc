@@ -101,9 +101,16 @@ std::vector<VertexIndex> PlcInput<D>::Waiting() {
 }
 
 template <int D>
-VertexIndex PlcInput<D>::AddSteiner(const Point& p, FacetIndex facet) {
+VertexIndex PlcInput<D>::AddSteiner(const Point& p, FacetIndex facet, VertexIndex of,
+                                    const meshing::Axis& axis) {
   if (facet == kNone) return NewVertex(p, D, meshing::kNil);
-  return NewVertex(p, 2, complex_.facets[facet].feature());
+  const VertexIndex v = NewVertex(p, 2, complex_.facets[facet].feature());
+  if (axis != meshing::kNoAxis) {
+    complex_.vertex(v).creator = of;
+    complex_.elements.SetAxis(v, axis);
+    has_wedges_ = true;
+  }
+  return v;
 }
 
 template <int D>
@@ -192,6 +199,7 @@ std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const K
     const double far = std::sqrt(far2) * kWider;
     double most2 = 0;
     bool begun = false;
+    Point nearest;
     complex_.facets.ForEachNear(p, far, [&](const meshing::Facet& facet) {
       if (complex_.IsOnFacet(v, facet)) return;
       if (!std::exchange(begun, true)) {
@@ -210,7 +218,12 @@ std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const K
       if (d2 < most2 || (d2 == most2 && best && best->p < at)) return;
       most2 = d2;
       best = OnFacet{at, complex_.facets.OfFeature(facet.feature())};
+      nearest = cut->nearest;
     });
+    if (best) {
+      const auto other = meshing::CounterpartOn(complex_.facets[best->facet], complex_, v, nearest);
+      if (other) best = OnFacet{other->p, best->facet, other->axis};
+    }
   }
   return best;
 }

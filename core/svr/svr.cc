@@ -165,7 +165,7 @@ void Svr<D, Input, Location>::DoFacets(const Item& item) {
     const auto found = input_.FindFacetPoint(mesh_, item.of);
     if (!found) return;
     work_[kFacets].push_back(item);  // until nothing is found
-    InsertSteiner(found->p, found->facet, ConflictNear(item.of, found->p), 0);
+    InsertSteiner(found->p, ConflictNear(item.of, found->p), 0, found->facet, item.of, found->axis);
   }
 }
 
@@ -193,9 +193,9 @@ typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Split(Simplex
   const double e2 = input_.SquaredShortestEdge(mesh_, s);
   if constexpr (Input::kHasFeatures) {
     const auto on = input_.MoveToFacet(ball);
-    return InsertSteiner(on.p, on.facet, s, e2);
+    return InsertSteiner(on.p, s, e2, on.facet);
   }
-  return InsertSteiner(ball.centre, kNone, s, e2);
+  return InsertSteiner(ball.centre, s, e2);
 }
 
 template <int D, class Input, class Location>
@@ -207,13 +207,14 @@ typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertWaiting
 }
 
 template <int D, class Input, class Location>
+template <class... OnFacet>
 typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertSteiner(
-    const Point& p, FacetIndex facet, SimplexIndex conflicting, double e2) {
+    const Point& p, SimplexIndex conflicting, double e2, const OnFacet&... on) {
   const Outcome outcome = Protect(p, e2);
   if (outcome != Outcome::kInserted) return outcome;
   positions_.push_back(p);
   is_entered_.push_back(false);
-  Insert(input_.AddSteiner(p, facet), conflicting, false);
+  Insert(input_.AddSteiner(p, on...), conflicting, false);
   return outcome;
 }
 

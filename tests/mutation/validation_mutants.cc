@@ -36,7 +36,6 @@ std::span<const Mutant> Mutants() {
       V(kFacetsDiffer, "SpacePlc.*"),
       V(kAngleOfFacetsAtEdges, "SpacePlc.*"),
       V(kAngleOfFacetsAtCorners, "SpacePlc.*"),
-      V(kEdgesDoNotLean, "SpacePlc.*"),
       V(kLoadsAreChecked, "PlcProperty.CoarseGrid*"),
       V(kRemovedIsGone, "PlcProperty.CoarseGrid*"),
       V(kSizesNeedFewVertices, "LeastVertices.ManyRegions*"),

@@ -45,6 +45,9 @@ class Input {
   void Triangle(FeatureId p, FeatureId q, FeatureId r) {
     features_.push_back(Feature::Polygon(next_++, {{p, q, r}}));
   }
+  void Polygon(const std::vector<FeatureId>& corners) {
+    features_.push_back(Feature::Polygon(next_++, {corners}));
+  }
   const std::vector<Feature>& features() const { return features_; }
 
  private:
@@ -188,10 +191,78 @@ TEST(SpaceSmallAngles, Surfaces) {
   test::Random random(kSeed);
   for (const auto& [n, m] : {std::pair(12, 8), {24, 8}, {8, 24}}) {
     for (const double jitter : {0., .1, .5}) {
-      if (m == 24 && jitter > .1) continue;  // facets at sharp angles
+      if (m == 24 && jitter > .1) continue;  // facets at less than 40 degrees
       SCOPED_TRACE("seed " + std::to_string(kSeed) + ", " + std::to_string(n) + " by " +
                    std::to_string(m) + ", jitter " + std::to_string(jitter));
       MeshAndJudge(Torus(n, m, jitter, random), kDefaultQuality3D, 10);
+    }
+  }
+}
+
+// Sheets on a common edge: as many as there is room for at `angle`, of different widths.
+TEST(SpaceSmallAngles, Sheets) {
+  test::Random random(kSeed);
+  for (const double angle : {41., 45., 60., 69.}) {
+    for (const int n : {2, 3, static_cast<int>(360 / angle)}) {
+      for (const double narrow : {1., .3}) {
+        SCOPED_TRACE("seed " + std::to_string(kSeed) + ", " + std::to_string(n) + " at " +
+                     std::to_string(angle) + " degrees, widths .35 and " +
+                     std::to_string(.35 * narrow));
+        Input input(random);
+        const FeatureId a = input.Point({0, 0, -.3}), b = input.Point({0, 0, .3});
+        for (int i = 0; i < n; ++i) {
+          const double turn = i * angle * kDegree, r = i % 2 == 0 ? .35 : .35 * narrow;
+          const Place low = {r * std::cos(turn), r * std::sin(turn), -.3};
+          const FeatureId c = input.Point(low), d = input.Point({low[0], low[1], .3});
+          input.Polygon({a, b, d, c});
+        }
+        EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D), kBorder + 80u * static_cast<unsigned>(n));
+      }
+    }
+  }
+}
+
+// Solids with sharp edges and corners: prisms of a triangle, pyramids, cones.
+TEST(SpaceSmallAngles, Solids) {
+  test::Random random(kSeed);
+  for (const int n : {3, 4, 6, 12}) {
+    for (const double height : {.25, .3, .5}) {
+      SCOPED_TRACE("seed " + std::to_string(kSeed) + ", pyramid of " + std::to_string(n) +
+                   " corners, height " + std::to_string(height));
+      Input input(random);
+      const FeatureId apex = input.Point({0, 0, height - .25});
+      std::vector<FeatureId> rim;
+      for (int i = 0; i < n; ++i) {
+        const double turn = 2 * std::numbers::pi * i / n;
+        rim.push_back(input.Point({.25 * std::cos(turn), .25 * std::sin(turn), -.25}));
+      }
+      for (std::size_t i = 0; i < rim.size(); ++i) {
+        input.Triangle(apex, rim[i], rim[(i + 1) % rim.size()]);
+      }
+      input.Polygon(rim);
+      EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D, 10),
+                kBorder + 40u * static_cast<unsigned>(n));
+    }
+  }
+}
+
+// Segments that rise over a triangle from its corner, over its edges and in between.
+TEST(SpaceSmallAngles, Spikes) {
+  test::Random random(kSeed);
+  for (const double wide : {20., 60., 90., 110.}) {
+    for (const double rise : {41., 45., 60.}) {
+      for (const double share : {.05, .3, .5}) {
+        SCOPED_TRACE("seed " + std::to_string(kSeed) + ", over " + std::to_string(share) + " of " +
+                     std::to_string(wide) + " degrees, at " + std::to_string(rise));
+        Input input(random);
+        const FeatureId apex = input.Point({0, 0, 0});
+        const double turn = wide * kDegree, at = share * turn, up = rise * kDegree;
+        input.Triangle(apex, input.Point({.35, 0, 0}),
+                       input.Point({.35 * std::cos(turn), .35 * std::sin(turn), 0}));
+        input.Segment(apex, input.Point({.3 * std::cos(up) * std::cos(at),
+                                         .3 * std::cos(up) * std::sin(at), .3 * std::sin(up)}));
+        EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D), kBorder + 120u);
+      }
     }
   }
 }

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -56,7 +55,7 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
 constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);  // 0.001 degrees
-constexpr double kSeventy = 0.116977778440511 * (1 + 2e-6);
+constexpr double kForty = 0.58682408883346515 * (1 + 2e-6);        // cos(40 degrees), squared
 
 class Face {
  public:
@@ -110,10 +109,10 @@ class Face {
     }
     return inside;
   }
-  // True if d, from the corner, rises over the inside at less than 70 degrees.
-  bool IsBelowSeventyOver(const P& corner, const V& d) const {
+  // True if d, from the corner, rises over the inside at less than 40 degrees.
+  bool IsBelowFortyOver(const P& corner, const V& d) const {
     const V flat = d - (d * normal_) / (normal_ * normal_) * normal_;
-    return Holds(corner + kStep * flat) && IsBelow(d, flat, kSeventy);
+    return Holds(corner + kStep * flat) && IsBelow(d, flat, kForty);
   }
   // From the middle of an edge into the inside.
   V Inward(const Edge& e) const {
@@ -191,68 +190,21 @@ bool Overlap(const Face& f, const Face& g) {
   return false;
 }
 
-// An edge of g beside an edge that it has in common with f leans over f: in the middle of f's angle
-// there (60 degrees from the common edge, if that is less) it is nearer than the common edge, by
-// angle. In doubles.
-bool Leans(const Face& f, const Face& g) {
-  using D3 = std::array<double, 3>;
-  const auto dot = [](const D3& u, const D3& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
-  const auto unit = [&](const V& v) {
-    D3 d = {CGAL::to_double(v.x()), CGAL::to_double(v.y()), CGAL::to_double(v.z())};
-    const double length = std::sqrt(dot(d, d));
-    for (double& x : d) x /= length;
-    return d;
-  };
-  for (const Edge& e : f.edges()) {
-    if (!g.HasEdge(e.p_id, e.q_id)) continue;
-    for (const FeatureId corner : {e.p_id, e.q_id}) {
-      const D3 along = unit(corner == e.p_id ? e.q - e.p : e.p - e.q), inward = unit(f.Inward(e));
-      const auto ways = [&](const Face& face) {
-        std::vector<V> all;
-        for (const Edge& h : face.edges()) {
-          if (std::minmax(h.p_id, h.q_id) == std::minmax(e.p_id, e.q_id)) continue;
-          if (h.p_id == corner) all.push_back(h.q - h.p);
-          if (h.q_id == corner) all.push_back(h.p - h.q);
-        }
-        return all;
-      };
-      double opening = 2 * std::numbers::pi;
-      for (const V& way : ways(f)) {
-        const double angle = std::atan2(dot(unit(way), inward), dot(unit(way), along));
-        opening = std::min(opening, angle > 0 ? angle : angle + 2 * std::numbers::pi);
-      }
-      const double at = std::min(opening / 2, std::numbers::pi / 3);
-      D3 middle;
-      for (std::size_t k = 0; k < 3; ++k) {
-        middle[k] = std::cos(at) * along[k] + std::sin(at) * inward[k];
-      }
-      for (const V& way : ways(g)) {
-        const D3 d = unit(way);
-        if (dot(d, along) > 0.5 * (1 + 2e-6) && dot(d, middle) > dot(along, middle) + 1e-12) {
-          return true;
-        }
-      }
-    }
-  }
-  return false;
-}
-
 bool IsSharp(const Face& f, const Face& g) {
-  if (Leans(f, g) || Leans(g, f)) return true;
   std::set<FeatureId> joined;
   for (const Edge& e : f.edges()) {
     if (!g.HasEdge(e.p_id, e.q_id)) continue;
     joined.insert({e.p_id, e.q_id});
     for (const Edge& h : g.edges()) {
       if (std::minmax(e.p_id, e.q_id) != std::minmax(h.p_id, h.q_id)) continue;
-      if (IsBelow(f.Inward(e), g.Inward(h), kSeventy)) return true;
+      if (IsBelow(f.Inward(e), g.Inward(h), kForty)) return true;
     }
   }
   const auto rises = [&](const Face& a, const Face& b) {
     return std::any_of(b.edges().begin(), b.edges().end(), [&](const Edge& e) {
       const auto at = [&](FeatureId id, const V& d) {
         return a.corners().contains(id) && !joined.contains(id) &&
-               a.IsBelowSeventyOver(a.corners().at(id), d);
+               a.IsBelowFortyOver(a.corners().at(id), d);
       };
       return at(e.p_id, e.q - e.p) || at(e.q_id, e.p - e.q);
     });
@@ -342,7 +294,7 @@ std::vector<Offence> FindOffences(const FeatureMap& features, double limit) {
       if (f.HasEdge(s.p_id, s.q_id)) continue;
       if (Meets(s, f)) found.push_back({"segment and polygon", s.ids, {f.id()}});
       const auto sharp = [&](FeatureId id, const P& p, const V& d) {
-        return f.corners().contains(id) && f.IsBelowSeventyOver(p, d);
+        return f.corners().contains(id) && f.IsBelowFortyOver(p, d);
       };
       if (s.is_segment && (sharp(s.p_id, s.p, s.q - s.p) || sharp(s.q_id, s.q, s.p - s.q))) {
         found.push_back({"angle of segment and polygon", s.ids, {f.id()}});

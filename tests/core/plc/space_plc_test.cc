@@ -271,16 +271,16 @@ EditBatch Wedge(double degrees) {
           AddPolygon(10, {{1, 2, 3, 4}}),      AddPolygon(11, {{1, 2, 5, 6}})};
 }
 
-TEST(SpacePlc, PolygonsMeetAtSeventyDegreesOrMore) {
-  for (const double angle : {70.0, 70.5, 90.0, 135.0, 180.0, 225.0, 290.0})
+TEST(SpacePlc, PolygonsMeetAtFortyDegreesOrMore) {
+  for (const double angle : {40.0, 40.5, 70.0, 90.0, 135.0, 180.0, 225.0, 320.0})
     ExpectLegal(Wedge(angle));
-  for (const double angle : {60.0, 69.9, 290.2, 300.0}) {
+  for (const double angle : {20.0, 39.9, 320.2, 340.0}) {
     ExpectRefused(Wedge(angle), reason::kSmallAngle, {11, 10});
   }
-  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(65));
+  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(25));
   EXPECT_NE(std::string(delta.status().message())
                 .find("polygon 11 and polygon 10 meet in an angle "
-                      "of 65 degrees; at least 70 are needed"),
+                      "of 25 degrees; at least 40 are needed"),
             std::string::npos)
       << delta.status();
 }
@@ -312,9 +312,9 @@ EditBatch Overhang(double degrees) {
           AddPolygon(11, {{6, 5, 7, 8, 9}})};
 }
 
-TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtSeventyDegreesOrMore) {
-  for (const double angle : {70.5, 90.0, 100.0}) ExpectLegal(Overhang(angle));
-  for (const double angle : {20.0, 40.0, 69.5}) {
+TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtFortyDegreesOrMore) {
+  for (const double angle : {40.5, 70.0, 90.0, 100.0}) ExpectLegal(Overhang(angle));
+  for (const double angle : {10.0, 20.0, 39.5}) {
     ExpectRefused(Overhang(angle), reason::kSmallAngle, {11, 10});
   }
 }
@@ -338,11 +338,12 @@ TEST(SpacePlc, AnglesAreThoseOfTheInsideHoweverItIsCutIntoRings) {
   for (const Rings& rings : {crossing, touching}) {
     ExpectLegal(plate(100, rings));
     ExpectLegal(plate(45, rings));
-    ExpectRefused(plate(135, rings), reason::kSmallAngle, {21, 20});
+    ExpectLegal(plate(135, rings));
+    ExpectRefused(plate(145, rings), reason::kSmallAngle, {21, 20});
   }
 }
 
-TEST(SpacePlc, SegmentsRiseFromPolygonsAtSeventyDegreesOrMore) {
+TEST(SpacePlc, SegmentsRiseFromPolygonsAtFortyDegreesOrMore) {
   // From corner 1 in direction of the middle, at that height.
   const auto spike = [](double degrees) {
     const double a = degrees * std::numbers::pi / 180, along = 0.3 * std::cos(a) / std::sqrt(2);
@@ -350,12 +351,12 @@ TEST(SpacePlc, SegmentsRiseFromPolygonsAtSeventyDegreesOrMore) {
                                Edit::Add(Feature::Segment(21, 1, 20))};
   };
   ExpectLegal(spike(90));
-  ExpectLegal(spike(71));
-  ExpectRefused(spike(69), reason::kSmallAngle, {21, 10});
+  ExpectLegal(spike(41));
+  ExpectRefused(spike(39), reason::kSmallAngle, {21, 10});
   // Away from the inside the angles to the edges count.
   ExpectLegal(spike(150));
   ExpectLegal(spike(180));
-  // Right over an edge, too: at 63 degrees.
+  // Right over an edge, too: at 63 degrees from it.
   ExpectLegal(Plate() +
               EditBatch{AddPoint3(20, 0.35, 0.25, 0.7), Edit::Add(Feature::Segment(21, 1, 20))});
 }
@@ -395,30 +396,12 @@ EditBatch Leaf(double between, double low, double up) {
           AddPolygon(11, {{1, 2, 4}})};
 }
 
-// tan(up / 2) against cos(between) tan(low / 2), at the angle at which both are equal.
-TEST(SpacePlc, AnEdgeMayNotLeanOverAnotherPolygon) {
-  const auto limit = [](double between, double low) {
-    const double at = std::numbers::pi / 180;
-    return 2 / at * std::atan(std::cos(between * at) * std::tan(std::min(low / 2, 60.0) * at));
-  };
-  for (const double between : {72.0, 75.0, 85.0, 89.0}) {
+TEST(SpacePlc, AnEdgeMayLeanOverAnotherPolygon) {
+  for (const double between : {40.5, 45.0, 72.0, 85.0, 90.0, 135.0}) {
     for (const double low : {40.0, 80.0, 119.0}) {
-      SCOPED_TRACE(testing::Message() << between << " " << low);
-      const double up = limit(between, low);
-      ExpectLegal(Leaf(between, low, up * 1.0001));
-      ExpectRefused(Leaf(between, low, up * 0.9999), reason::kSmallAngle, {11, 10});
-      ExpectRefused(Leaf(between, up * 0.9999, low), reason::kSmallAngle, {11, 10});
+      for (const double up : {0.01, 1.0, 30.0, 60.0}) ExpectLegal(Leaf(between, low, up));
     }
   }
-  for (const double between : {90.0, 91.0, 135.0, 180.0, 269.0}) {
-    for (const double up : {0.01, 1.0, 30.0}) ExpectLegal(Leaf(between, 80, up));
-  }
-  const auto status = Plc3(Cube(0, 1)).Check(Leaf(72, 80, 2)).status();
-  EXPECT_NE(std::string(status.message())
-                .find("polygon 11 and polygon 10 meet in an angle of 1.90208 degrees, between an "
-                      "edge of one and the inside of the other, beside a common edge"),
-            std::string::npos)
-      << status;
 }
 
 TEST(SpacePlc, SegmentsPassEachOtherAtTheCloseLimit) {

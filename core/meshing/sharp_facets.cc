@@ -1,0 +1,185 @@
+#include "core/meshing/sharp_facets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "core/base/rounding.h"
+#include "core/geometry/constructions.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Difference;
+using geometry::Dot;
+using geometry::Point3;
+using geometry::Vector3;
+
+// sin(20 degrees), plus a millionth: at 70 degrees or more no angle is small.
+constexpr double kMostCosine = 0.3420201433256687 * kWider;
+
+Vector3 Along(const Point3& from, const Point3& to) {
+  Vector3 d = Difference(to.c, from.c);
+  const double length = std::sqrt(Dot(d, d));
+  for (double& x : d) x /= length;
+  return d;
+}
+Vector3 Along(const Facet& facet, const Facet::Edge& edge) {
+  return Along(facet.PositionOf(edge.first), facet.PositionOf(edge.second));
+}
+
+// A position by its distances along an edge, from its first end, and off its line.
+struct Off {
+  double along = 0, distance = 0;
+  Vector3 direction = {};  // off the line
+};
+Off OffEdge(const Point3& p, const Point3& end, const Vector3& along) {
+  Off off;
+  off.direction = Difference(p.c, end.c);
+  off.along = Dot(off.direction, along);
+  for (std::size_t k = 0; k < 3; ++k) off.direction[k] -= off.along * along[k];
+  off.distance = std::sqrt(Dot(off.direction, off.direction));
+  for (double& x : off.direction) x /= off.distance;
+  return off;
+}
+
+// From the edge over the facet's inside.
+Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
+  constexpr double kBeside = 0x1p-20;  // in lengths of the edge
+  const Point3 &p = facet.PositionOf(edge.first), &q = facet.PositionOf(edge.second);
+  Vector3 inward = geometry::Cross(facet.plane().normal, Along(p, q));
+  const double aside = kBeside * std::sqrt(geometry::SquaredDistance(p, q));
+  Point3 beside = geometry::Midpoint(p, q);
+  for (int k = 0; k < 3; ++k) beside[k] += aside * inward[static_cast<std::size_t>(k)];
+  if (!facet.IsInside(beside)) {
+    for (double& x : inward) x = -x;
+  }
+  return inward;
+}
+
+// Calls f(edge) for the common edges at a small angle until it returns true; returns if one did.
+template <class F>
+bool AnySharpEdge(const Facet& f, const Facet& g, F is) {
+  const bool fewer = f.edges().size() <= g.edges().size();
+  const Facet &least = fewer ? f : g, &most = fewer ? g : f;
+  return std::ranges::any_of(least.edges(), [&](const Facet::Edge& edge) {
+    return edge.first < edge.second && most.HasEdge(edge.first, edge.second) &&
+           Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine && is(edge);
+  });
+}
+
+template <class F>
+bool AnyCommonCorner(const OwnedVertex& v, const Facet& g, F is) {
+  const auto is_common = [&](VertexIndex c) { return g.HasCorner(c) && is(c); };
+  if (v.facet == nullptr) return std::ranges::any_of(v.ends, is_common);
+  const bool fewer = v.facet->corners().size() <= g.corners().size();
+  return std::ranges::any_of(fewer ? v.facet->corners() : g.corners(), [&](VertexIndex c) {
+    return (fewer ? g : *v.facet).HasCorner(c) && is(c);
+  });
+}
+
+bool AnyLeansOver(const Facet& f, const Facet& g, VertexIndex corner) {
+  return std::ranges::any_of(f.EdgesAt(corner), [&](const Facet::Edge& edge) {
+    return !g.HasEdge(edge.first, edge.second) && LeansOver(Along(f, edge), g, corner);
+  });
+}
+
+// Of the places inside a facet, the one nearest to p; of several the least.
+class NearestInside {
+ public:
+  NearestInside(const Facet& facet, const Point3& p) : facet_(facet), p_(p) {}
+  void Offer(Counterpart x) {
+    x.p = facet_.plane().Foot(x.p);
+    const double d2 = geometry::SquaredDistance(x.p, p_);
+    if (d2 > least_ || (d2 == least_ && !(x.p < found_->p)) || !facet_.IsInside(x.p)) return;
+    found_ = x;
+    least_ = d2;
+  }
+  const std::optional<Counterpart>& found() const { return found_; }
+
+ private:
+  const Facet& facet_;
+  const Point3 p_;
+  std::optional<Counterpart> found_;
+  double least_ = INFINITY;
+};
+
+bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
+  if (v.is_counterpart || v.apex == corner) return true;
+  if (v.facet == nullptr) {
+    const std::size_t i = v.ends[0] == corner ? 0 : 1;
+    return LeansOver(Along(v.positions[i], v.positions[1 - i]), g, corner);
+  }
+  const Facet& f = *v.facet;
+  return AnyLeansOver(f, g, corner) || AnyLeansOver(g, f, corner) ||
+         std::ranges::any_of(f.EdgesAt(corner), [&](const Facet::Edge& edge) {
+           return g.HasEdge(edge.first, edge.second) &&
+                  Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine;
+         });
+}
+
+}  // namespace
+
+// Let d and e be the edges of the facet on either side, and w a direction between them:
+// w = x d + y e. It is nearer to u than to d and e iff w.(u - d) > 0 and w.(u - e) > 0.
+bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {
+  const double up = Dot(u, facet.plane().normal);
+  if (!(1 - up * up > kMostCosine * kMostCosine)) return false;
+  const Point3& at = facet.PositionOf(corner);
+  const std::span<const Facet::Edge> edges = facet.EdgesAt(corner);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vector3 d = Along(facet, edges[i]), e = Along(facet, edges[j]);
+      const double between = Dot(d, e), to_d = Dot(u, d), to_e = Dot(u, e);
+      Vector3 middle;
+      for (std::size_t k = 0; k < 3; ++k) middle[k] = d[k] + e[k];
+      if (facet.OpensTo(at, middle)) {
+        if (to_d > between && to_e > between &&
+            (to_d - between) * (to_e - between) > kNarrower * (1 - to_d) * (1 - to_e)) {
+          return true;
+        }
+      } else {
+        Vector3 foot;
+        for (std::size_t k = 0; k < 3; ++k) foot[k] = u[k] - up * facet.plane().normal[k];
+        if (facet.OpensTo(at, foot) && Dot(foot, u) > std::max(Dot(foot, d), Dot(foot, e)))
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const Point3& p) {
+  NearestInside best(to, p);
+  AnySharpEdge(own, to, [&](const Facet::Edge& edge) {
+    const Point3& end = to.PositionOf(edge.first);
+    const Vector3 along = Along(to, edge), inward = InwardOf(to, edge);
+    const Off off = OffEdge(p, end, along);
+    Counterpart x{{}, {edge.first, edge.second}};
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      x.p[k] = end[k] + off.along * along[i] + off.distance * inward[i];
+    }
+    best.Offer(x);
+    return false;
+  });
+  return best.found();
+}
+
+std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, const Point3& nearest) {
+  NearestInside best(to, v.p);
+  AnyCommonCorner(v, to, [&](VertexIndex corner) {
+    const Point3& at = to.PositionOf(corner);
+    const Vector3 u = Difference(v.p.c, at.c), w = Difference(nearest.c, at.c);
+    const double u2 = Dot(u, u), scale = std::sqrt(u2 / Dot(w, w));
+    if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return false;
+    Counterpart x{{}, {corner, corner}};
+    for (int k = 0; k < 3; ++k) x.p[k] = at[k] + scale * w[static_cast<std::size_t>(k)];
+    best.Offer(x);
+    return false;
+  });
+  return best.found();
+}
+
+}  // namespace dynmesh::meshing

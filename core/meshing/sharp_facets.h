@@ -1,0 +1,62 @@
+// Facets that meet other facets, or segments, at a small angle.
+//
+// Let v be on a facet F, and G another facet with a common edge. If v's Voronoi cell meets G, the
+// place of G nearest to v is nearer to the edge than v is. A vertex there would make one on F that
+// is nearer still, and so on towards the edge for ever. So G gets the *counterpart* of v instead: v
+// turned about the edge into G.
+// 1. Every place of G is nearer to the counterpart than to v. So v's cell no longer meets G.
+// 2. v is the counterpart of its counterpart. So no new distances from the edge come up.
+// If only a corner is common, the counterpart has v's distance from the corner, and the direction
+// of the place nearest to v. Then 1. holds, too, and no new distances from the corner come up. On
+// segments these are the shells of shells.h.
+//
+// An edge between vertices on two features that meet at a small angle is *seditious*, as between
+// segments (shells.h), if their distances from what is common are equal: it is as short as the
+// angle makes it.
+//
+// Where features meet at larger angles, there is neither. Everything is a function of the vertices
+// and of the features that own them. Pure functions, thread-safe. O(corners).
+#ifndef DYNMESH_CORE_MESHING_SHARP_FACETS_H_
+#define DYNMESH_CORE_MESHING_SHARP_FACETS_H_
+
+#include <array>
+#include <optional>
+
+#include "core/geometry/circumball.h"
+#include "core/geometry/point.h"
+#include "core/meshing/facet_field.h"
+
+namespace dynmesh::meshing {
+
+// A vertex inside a facet or a segment.
+struct OwnedVertex {
+  geometry::Point3 p = {};
+  const Facet* facet = nullptr;  // null: it is on a segment,
+  // which has these ends.
+  std::array<VertexIndex, 2> ends = {kNil, kNil};
+  std::array<geometry::Point3, 2> positions = {};
+  // It is on a shell about this corner (shells.h), or a counterpart.
+  VertexIndex apex = kNil;
+  bool is_counterpart = false;
+};
+
+struct Counterpart {
+  geometry::Point3 p = {};
+  Axis axis = kNoAxis;
+};
+// p, which is on the facet `own`, turned into the facet `to` about an edge that they have in common
+// at a small angle. Nothing if there is none, or if it would be outside of `to`.
+std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const geometry::Point3& p);
+// The place of `to` as far from a common corner as v, in the direction of `nearest`, the place of
+// `to` nearest to v. Nothing if the features meet at no small angle in a corner, or if it would be
+// outside of `to`.
+std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v,
+                                     const geometry::Point3& nearest);
+
+// Is a place of the facet near its corner nearer to the ray from there along `u` than to the
+// facet's edges, at less than 70 degrees from it?
+bool LeansOver(const geometry::Vector3& u, const Facet& facet, VertexIndex corner);
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_SHARP_FACETS_H_

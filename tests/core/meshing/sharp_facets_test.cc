@@ -1,0 +1,145 @@
+// Counterparts (sharp_facets.h): properties on random triangles with a common edge or corner.
+#include "core/meshing/sharp_facets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/geometry/constructions.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Point3;
+using geometry::SquaredDistance;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Facet Triangle(const std::vector<Point3>& points, VertexIndex a, VertexIndex b, VertexIndex c,
+               FeatureSlot feature) {
+  const std::vector<std::vector<VertexIndex>> rings = {{a, b, c}};
+  return Facet(rings, feature, [&](VertexIndex v) { return points[v]; });
+}
+
+// Two triangles over the edge from 0 to 1, at `angle`; the corners 2 and 3.
+struct Wedge {
+  explicit Wedge(double angle, test::Random& random) {
+    const auto third = [&](double turn) {
+      const double x = random.Unit(), r = 0.5 + random.Unit();
+      return Point3{{x, r * std::cos(turn), r * std::sin(turn)}};
+    };
+    const double turn = 360 * kDegree * random.Unit();
+    points = {{{0, 0, 0}}, {{1, 0, 0}}, third(turn), third(turn + angle * kDegree)};
+    f = Triangle(points, 0, 1, 2, 10);
+    g = Triangle(points, 1, 3, 0, 11);
+  }
+  // A random place in the triangle f.
+  Point3 InF(test::Random& random) const {
+    double a = random.Unit(), b = random.Unit();
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    Point3 p;
+    for (int k = 0; k < 3; ++k) p[k] = a * points[1][k] + b * points[2][k];
+    return p;
+  }
+
+  std::vector<Point3> points;
+  Facet f, g;
+};
+
+TEST(SharpFacets, ATurnedPlaceIsAsFarFromBothEndsAndTurnsBack) {
+  constexpr std::uint64_t kSeed = 5;
+  test::Random random(kSeed);
+  int found = 0;
+  for (int i = 0; i < 2000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const Wedge w(1 + 68 * random.Unit(), random);
+    const Point3 p = w.InF(random);
+    const auto x = TurnedInto(w.g, w.f, p);
+    if (!x) continue;
+    ++found;
+    EXPECT_EQ(x->axis, (Axis{0, 1}));
+    EXPECT_TRUE(w.g.IsInside(x->p));
+    for (const int end : {0, 1}) {
+      EXPECT_NEAR(SquaredDistance(x->p, w.points[end]), SquaredDistance(p, w.points[end]), 1e-13);
+    }
+    // Every place of g is nearer to x than to p.
+    for (int k = 0; k < 10; ++k) {
+      double a = random.Unit(), b = random.Unit();
+      if (a + b > 1) a = 1 - a, b = 1 - b;
+      Point3 y;
+      for (int j = 0; j < 3; ++j) y[j] = a * w.points[1][j] + b * w.points[3][j];
+      EXPECT_LE(SquaredDistance(y, x->p), SquaredDistance(y, p) + 1e-13);
+    }
+    const auto back = TurnedInto(w.f, w.g, x->p);
+    ASSERT_TRUE(back);
+    EXPECT_NEAR(SquaredDistance(back->p, p), 0, 1e-26);
+  }
+  EXPECT_GT(found, 1000);
+}
+
+TEST(SharpFacets, FacetsAtSeventyDegreesOrMoreHaveNoTurnedPlaces) {
+  test::Random random(6);
+  for (int i = 0; i < 500; ++i) {
+    const Wedge w(70 + 220 * random.Unit(), random);
+    EXPECT_FALSE(TurnedInto(w.g, w.f, w.InF(random)));
+  }
+}
+
+// A segment from the corner 0 that rises over the triangle.
+TEST(SharpFacets, AMovedPlaceIsAsFarFromTheCorner) {
+  constexpr std::uint64_t kSeed = 7;
+  test::Random random(kSeed);
+  int found = 0;
+  for (int i = 0; i < 2000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const double wide = (20 + 90 * random.Unit()) * kDegree, at = wide * random.Unit();
+    const double up = 89 * random.Unit() * kDegree;
+    const std::vector<Point3> points = {
+        {{0, 0, 0}}, {{1, 0, 0}}, {{std::cos(wide), std::sin(wide), 0}}};
+    const Facet f = Triangle(points, 0, 1, 2, 10);
+    const Point3 end = {{std::cos(up) * std::cos(at), std::cos(up) * std::sin(at), std::sin(up)}};
+    const double share = 0.5 * random.Unit();
+    OwnedVertex v;
+    for (int k = 0; k < 3; ++k) v.p[k] = share * end[k];
+    v.ends = {0, 7};
+    v.positions = {points[0], end};
+    const Point3 foot = {{v.p[0], v.p[1], 0}};
+    const auto x = MovedInto(f, v, foot);
+    // By angle: is some direction in the triangle nearer to the segment than both edges are?
+    bool leans = false;
+    for (int k = 1; k < 1000; ++k) {
+      const double d = wide * k / 1000;
+      const double to_u = std::cos(up) * std::cos(d - at);
+      leans = leans || (to_u > std::cos(d) + 1e-9 && to_u > std::cos(wide - d) + 1e-9);
+    }
+    if (up > 70.001 * kDegree) leans = false;
+    if (std::fabs(up - 70 * kDegree) < 0.001 * kDegree) continue;
+    if (leans) {
+      ASSERT_TRUE(x);
+    }
+    if (!x) continue;
+    ++found;
+    EXPECT_LT(up, 70.001 * kDegree);
+    EXPECT_EQ(x->axis, (Axis{0, 0}));
+    EXPECT_NEAR(std::sqrt(SquaredDistance(x->p, points[0])), share, 1e-15);
+    EXPECT_NEAR(x->p[0] * v.p[1] - x->p[1] * v.p[0], 0, 1e-15);
+  }
+  EXPECT_GT(found, 500);
+}
+
+TEST(SharpFacets, AnEdgeInTheFacetsOwnDirectionDoesNotLean) {
+  const std::vector<Point3> points = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}};
+  const Facet f = Triangle(points, 0, 1, 2, 10);
+  EXPECT_TRUE(LeansOver(
+      {std::cos(0.5) * std::sqrt(.5), std::cos(0.5) * std::sqrt(.5), std::sin(0.5)}, f, 0));
+  EXPECT_FALSE(LeansOver({0, 0, 1}, f, 0));
+  EXPECT_FALSE(LeansOver({-std::sqrt(.5), -std::sqrt(.5), 0}, f, 0));
+  EXPECT_FALSE(LeansOver({std::cos(0.3), -std::sin(0.3), 0}, f, 0));
+}
+
+}  // namespace
+}  // namespace dynmesh::meshing
