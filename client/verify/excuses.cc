@@ -146,7 +146,8 @@ bool Excuses::IsNarrow(std::uint32_t way, const io::IndexedMesh::Face& face,
   const Real c = dot(u, w), det = 1 - c * c;
   const Real x = (dot(d, u) - c * dot(d, w)) / det, y = (dot(d, w) - c * dot(d, u)) / det;
   constexpr Real kLeast = 1e-9L;
-  return x > kLeast && y > kLeast && x * x + 2 * x * y * c + y * y > kNarrowCosine * kNarrowCosine;
+  return x > -kLeast && y > -kLeast &&
+         x * x + 2 * x * y * c + y * y > kNarrowCosine * kNarrowCosine;
 }
 
 bool Excuses::Excused(std::uint32_t p, std::uint32_t q) const {

@@ -85,13 +85,15 @@ bool AnyLeansOver(const Facet& f, const Facet& g, VertexIndex corner) {
   });
 }
 
-// Of the places inside a facet, the one nearest to p; of several the least.
-class NearestInside {
+// Of the places inside a facet, that with the nearest axis; of several the least. Near a corner
+// that is the axis that counts: about another one, places would come up that are near a shell, but
+// not on it.
+class ByNearestAxis {
  public:
-  NearestInside(const Facet& facet, const Point3& p) : facet_(facet), p_(p) {}
-  void Offer(Counterpart x) {
+  explicit ByNearestAxis(const Facet& facet) : facet_(facet) {}
+  // `d2`: the squared distance from the axis.
+  void Offer(Counterpart x, double d2) {
     x.p = facet_.plane().Foot(x.p);
-    const double d2 = geometry::SquaredDistance(x.p, p_);
     if (d2 > least_ || (d2 == least_ && !(x.p < found_->p)) || !facet_.IsInside(x.p)) return;
     found_ = x;
     least_ = d2;
@@ -100,7 +102,6 @@ class NearestInside {
 
  private:
   const Facet& facet_;
-  const Point3 p_;
   std::optional<Counterpart> found_;
   double least_ = INFINITY;
 };
@@ -151,7 +152,7 @@ bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {
 }
 
 std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const Point3& p) {
-  NearestInside best(to, p);
+  ByNearestAxis best(to);
   AnySharpEdge(own, to, [&](const Facet::Edge& edge) {
     const Point3& end = to.PositionOf(edge.first);
     const Vector3 along = Along(to, edge), inward = InwardOf(to, edge);
@@ -161,14 +162,14 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const P
       const auto i = static_cast<std::size_t>(k);
       x.p[k] = end[k] + off.along * along[i] + off.distance * inward[i];
     }
-    best.Offer(x);
+    best.Offer(x, off.distance * off.distance);
     return false;
   });
   return best.found();
 }
 
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, const Point3& nearest) {
-  NearestInside best(to, v.p);
+  ByNearestAxis best(to);
   AnyCommonCorner(v, to, [&](VertexIndex corner) {
     const Point3& at = to.PositionOf(corner);
     const Vector3 u = Difference(v.p.c, at.c), w = Difference(nearest.c, at.c);
@@ -176,7 +177,7 @@ std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, cons
     if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return false;
     Counterpart x{{}, {corner, corner}};
     for (int k = 0; k < 3; ++k) x.p[k] = at[k] + scale * w[static_cast<std::size_t>(k)];
-    best.Offer(x);
+    best.Offer(x, u2);
     return false;
   });
   return best.found();

@@ -45,11 +45,11 @@ struct Counterpart {
   Axis axis = kNoAxis;
 };
 // p, which is on the facet `own`, turned into the facet `to` about an edge that they have in common
-// at a small angle. Nothing if there is none, or if it would be outside of `to`.
+// at a small angle, the nearest one. Nothing if there is none, or if it would be outside of `to`.
 std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const geometry::Point3& p);
-// The place of `to` as far from a common corner as v, in the direction of `nearest`, the place of
-// `to` nearest to v. Nothing if the features meet at no small angle in a corner, or if it would be
-// outside of `to`.
+// The place of `to` as far from the nearest common corner as v, in the direction of `nearest`, the
+// place of `to` nearest to v. Nothing if the features meet at no small angle in a corner, or if it
+// would be outside of `to`.
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v,
                                      const geometry::Point3& nearest);
 

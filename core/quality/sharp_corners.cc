@@ -27,14 +27,17 @@ Vector Cross(const Vector& u, const Vector& w) {
   return {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
 }
 
-// Does d, from the corner t[0], rise over the triangle at a small angle?
-bool RisesOver(const Mesh& mesh, const Vector& d, const Triangle& t) {
+// Does the way from the corner t[0] to the vertex `next` rise over the triangle, or over a side
+// inside the facet, at a small angle?
+bool RisesOver(const Mesh& mesh, std::size_t next, const Triangle& t) {
+  if (next == t[1] || next == t[2]) return false;  // it is a side
+  const Vector d = Between(mesh, t[0], next);
   const Vector u = Between(mesh, t[0], t[1]), w = Between(mesh, t[0], t[2]), n = Cross(u, w);
   const double up = Dot(d, n), n2 = Dot(n, n), d2 = Dot(d, d);
   if (!(d2 - up * up / n2 > kLeastCosine * kLeastCosine * d2)) return false;
   // The foot of d is a u + b w.
   const double a = Dot(Cross(d, w), n), b = Dot(Cross(u, d), n);
-  return a > 1e-9 * n2 * std::sqrt(d2 / Dot(u, u)) && b > 1e-9 * n2 * std::sqrt(d2 / Dot(w, w));
+  return a > -1e-9 * n2 * std::sqrt(d2 / Dot(u, u)) && b > -1e-9 * n2 * std::sqrt(d2 / Dot(w, w));
 }
 
 // Do two triangles with the corner t[0] = s[0] have an edge there in common, at a small angle?
@@ -57,13 +60,13 @@ SharpCorners::SharpCorners(const Mesh& mesh,
                            const absl::flat_hash_map<VertexId, std::size_t>& row_of,
                            const std::vector<std::pair<Row, Row>>& ways) {
   struct Fan {
-    std::vector<Vector> ways;
+    std::vector<Row> ways;
     std::vector<std::pair<Triangle, FeatureId>> triangles;
   };
   absl::flat_hash_map<Row, Fan> fans;
   absl::flat_hash_map<Row, std::vector<FeatureId>> facets_of;
   absl::flat_hash_map<FeatureId, std::vector<Row>> corners_of;
-  for (const auto& [corner, next] : ways) fans[corner].ways.push_back(Between(mesh, corner, next));
+  for (const auto& [corner, next] : ways) fans[corner].ways.push_back(next);
   for (std::size_t f = 0; f < mesh.subfacets.size(); ++f) {
     Triangle t;
     bool is_known = true;
@@ -84,8 +87,8 @@ SharpCorners::SharpCorners(const Mesh& mesh,
   }
   for (const auto& [corner, fan] : fans) {
     const bool is_sharp = std::ranges::any_of(fan.triangles, [&](const auto& triangle) {
-      return std::ranges::any_of(
-                 fan.ways, [&](const Vector& d) { return RisesOver(mesh, d, triangle.first); }) ||
+      return std::ranges::any_of(fan.ways,
+                                 [&](Row next) { return RisesOver(mesh, next, triangle.first); }) ||
              std::ranges::any_of(fan.triangles, [&](const auto& other) {
                return triangle.second < other.second &&
                       MeetSharply(mesh, triangle.first, other.first);
