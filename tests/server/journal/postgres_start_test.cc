@@ -43,7 +43,7 @@ class PostgresStartTest : public PostgresTest {
 
 TEST_F(PostgresStartTest, TheFirstServersMakeTheTablesInTurn) {
   OpenAllBehind(28'281'012'859'794'280, {});
-  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), "1");
+  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), "2");
 }
 
 TEST_F(PostgresStartTest, TheFirstServersWithLeasesMakeTheirTablesInTurn) {

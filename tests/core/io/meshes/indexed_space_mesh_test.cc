@@ -26,6 +26,7 @@ TEST(IndexSpaceMesh, AndBackIsTheSameMesh) {
   testing::Random random = MakeRandom();
   for (int round = 0; round < 20; ++round) {
     Mesh mesh = MakeUpLabelledMesh(random, 30 + 10 * round, 0, 3);
+    mesh.labels.clear();  // an indexed mesh has none of features
     const auto indexed = IndexMesh(mesh);
     ASSERT_TRUE(indexed.ok()) << indexed.status();
     Mesh back = ToMesh(*indexed);
