@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
@@ -11,15 +10,11 @@
 #include "server/base/mesh_name.h"
 #include "server/journal/journal_folder.h"
 #include "server/journal/open_postgres.h"
+#include "server/journal/postgres_target.h"
 #include "server/journal/sqlite_journal.h"
 
 namespace dynmesh::server {
 namespace {
-
-// libpq takes both.
-bool IsDatabase(absl::string_view place) {
-  return absl::StartsWith(place, "postgresql://") || absl::StartsWith(place, "postgres://");
-}
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenFolder(const std::string& folder, bool is_source,
                                                     const std::vector<std::string>& accepted) {
@@ -34,7 +29,7 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenFolder(const std::string& folder, b
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenPlace(const std::string& place, bool is_source,
                                                    const std::vector<std::string>& accepted) {
-  if (!IsDatabase(place)) return OpenFolder(place, is_source, accepted);
+  if (!postgres::IsAddress(place)) return OpenFolder(place, is_source, accepted);
   PostgresOptions options;
   options.exclusive = true;
   options.make_tables = !is_source;

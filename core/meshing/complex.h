@@ -174,8 +174,8 @@ struct Complex {
   bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
   bool HaveOneOrigin(VertexIndex v, VertexIndex u) const;
   bool IsCounterpart(VertexIndex v) const { return elements.axis(v)[0] != kNil; }
-  // The vertex at work in v's creator.
-  VertexIndex VertexOfCreator(VertexIndex v) const;
+  // What v's creator worked on: a vertex, or the subsegment that it split.
+  sac::Item ItemOfCreator(VertexIndex v) const;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -237,9 +237,7 @@ Extent<D> Complex<D, E>::BallOf(const Subsegment& s) const {
 
 template <int D, template <class> class E>
 const Subsegment<D>& Complex<D, E>::SplitAt(VertexIndex v) const {
-  SubsegmentIndex parent = vertex(v).creator;
-  if constexpr (kTraced) parent = engine.item(parent);
-  return subsegment(parent);
+  return subsegment(ItemOfCreator(v));
 }
 
 template <int D, template <class> class E>
@@ -261,7 +259,7 @@ bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
 template <int D, template <class> class E>
 std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
   if (IsCounterpart(v)) {
-    std::optional<Shell> shell = ShellOf(VertexOfCreator(v));
+    std::optional<Shell> shell = ShellOf(ItemOfCreator(v));
     if (!shell || !std::ranges::count(elements.axis(v), shell->apex)) return std::nullopt;
     shell->towards = vertex(v).p;
     return shell;
@@ -275,7 +273,7 @@ std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex 
 }
 
 template <int D, template <class> class E>
-VertexIndex Complex<D, E>::VertexOfCreator(VertexIndex v) const {
+sac::Item Complex<D, E>::ItemOfCreator(VertexIndex v) const {
   if constexpr (kTraced) {
     return engine.item(vertex(v).creator);
   } else {
@@ -326,7 +324,7 @@ bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
   Axis common = kNoAxis;
   bool is_first = true;
   const auto origin = [&](VertexIndex of) {
-    for (; IsCounterpart(of); of = VertexOfCreator(of)) {
+    for (; IsCounterpart(of); of = ItemOfCreator(of)) {
       const Axis& axis = elements.axis(of);
       for (VertexIndex& c : common) {
         if (!is_first && !std::ranges::count(axis, c)) c = kNil;
@@ -345,6 +343,10 @@ bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
 
 template <int D, template <class> class E>
 bool Complex<D, E>::AreOnOneShell(VertexIndex v, VertexIndex u) const {
+  const auto may_be = [this](VertexIndex w) {
+    return vertex(w).dimension == 1 || IsCounterpart(w);
+  };
+  if (!may_be(v) || !may_be(u)) return false;
   const auto of_v = ShellOf(v), of_u = ShellOf(u);
   return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
          of_v->towards != of_u->towards &&

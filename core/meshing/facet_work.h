@@ -26,8 +26,8 @@ namespace dynmesh::meshing {
 
 // 0.5 and 0.6 make meshes 3 to 5 % larger.
 inline constexpr double kNearFacet = 0.7;
-// A counterpart may have vertices nearer to it than its vertex. They are as few as they are rare:
-// its first work comes as if the nearest were at half of that distance. It only has to come.
+// Squared. A counterpart may have vertices nearer to it than the one that it is the counterpart of.
+// Its first work comes as if the nearest were at half of that distance: too early does no harm.
 inline constexpr double kNearCounterpart = 0.25;
 
 // A place on a facet; there is none if `facet` is null.

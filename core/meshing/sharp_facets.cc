@@ -29,21 +29,6 @@ Vector3 Along(const Facet& facet, const Facet::Edge& edge) {
   return Along(facet.PositionOf(edge.first), facet.PositionOf(edge.second));
 }
 
-// A position by its distances along an edge, from its first end, and off its line.
-struct Off {
-  double along = 0, distance = 0;
-  Vector3 direction = {};  // off the line
-};
-Off OffEdge(const Point3& p, const Point3& end, const Vector3& along) {
-  Off off;
-  off.direction = Difference(p.c, end.c);
-  off.along = Dot(off.direction, along);
-  for (std::size_t k = 0; k < 3; ++k) off.direction[k] -= off.along * along[k];
-  off.distance = std::sqrt(Dot(off.direction, off.direction));
-  for (double& x : off.direction) x /= off.distance;
-  return off;
-}
-
 // From the edge over the facet's inside.
 Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
   constexpr double kBeside = 0x1p-20;  // in lengths of the edge
@@ -58,25 +43,26 @@ Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
   return inward;
 }
 
-// Calls f(edge) for the common edges at a small angle until it returns true; returns if one did.
-template <class F>
-bool AnySharpEdge(const Facet& f, const Facet& g, F is) {
-  const bool fewer = f.edges().size() <= g.edges().size();
-  const Facet &least = fewer ? f : g, &most = fewer ? g : f;
-  return std::ranges::any_of(least.edges(), [&](const Facet::Edge& edge) {
-    return edge.first < edge.second && most.HasEdge(edge.first, edge.second) &&
-           Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine && is(edge);
-  });
+// Do the facets meet at a small angle at this edge, which is of both?
+bool MeetSharply(const Facet& f, const Facet& g, const Facet::Edge& edge) {
+  return Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine;
 }
 
+// Calls f(corner) for the corners that the facet and the feature of v have in common.
 template <class F>
-bool AnyCommonCorner(const OwnedVertex& v, const Facet& g, F is) {
-  const auto is_common = [&](VertexIndex c) { return g.HasCorner(c) && is(c); };
-  if (v.facet == nullptr) return std::ranges::any_of(v.ends, is_common);
-  const bool fewer = v.facet->corners().size() <= g.corners().size();
-  return std::ranges::any_of(fewer ? v.facet->corners() : g.corners(), [&](VertexIndex c) {
-    return (fewer ? g : *v.facet).HasCorner(c) && is(c);
-  });
+void ForEachCommonCorner(const OwnedVertex& v, const Facet& g, F f) {
+  const auto visit = [&](const auto& corners, const Facet& other) {
+    for (const VertexIndex c : corners) {
+      if (other.HasCorner(c)) f(c);
+    }
+  };
+  if (v.facet == nullptr) {
+    visit(v.ends, g);
+  } else if (v.facet->corners().size() <= g.corners().size()) {
+    visit(v.facet->corners(), g);
+  } else {
+    visit(g.corners(), *v.facet);
+  }
 }
 
 bool AnyLeansOver(const Facet& f, const Facet& g, VertexIndex corner) {
@@ -115,8 +101,7 @@ bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
   const Facet& f = *v.facet;
   return AnyLeansOver(f, g, corner) || AnyLeansOver(g, f, corner) ||
          std::ranges::any_of(f.EdgesAt(corner), [&](const Facet::Edge& edge) {
-           return g.HasEdge(edge.first, edge.second) &&
-                  Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine;
+           return g.HasEdge(edge.first, edge.second) && MeetSharply(f, g, edge);
          });
 }
 
@@ -153,32 +138,35 @@ bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {
 
 std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const Point3& p) {
   ByNearestAxis best(to);
-  AnySharpEdge(own, to, [&](const Facet::Edge& edge) {
+  const bool fewer = own.edges().size() <= to.edges().size();
+  const Facet &least = fewer ? own : to, &most = fewer ? to : own;
+  for (const Facet::Edge& edge : least.edges()) {
+    if (edge.first > edge.second || !most.HasEdge(edge.first, edge.second)) continue;
+    const Vector3 inward = InwardOf(to, edge);
+    if (!(Dot(InwardOf(own, edge), inward) > kMostCosine)) continue;
     const Point3& end = to.PositionOf(edge.first);
-    const Vector3 along = Along(to, edge), inward = InwardOf(to, edge);
-    const Off off = OffEdge(p, end, along);
+    const Vector3 d = Along(to, edge);
+    Vector3 off = Difference(p.c, end.c);
+    const double along = Dot(off, d);
+    for (std::size_t k = 0; k < 3; ++k) off[k] -= along * d[k];
+    const double distance = std::sqrt(Dot(off, off));
     Counterpart x{{}, {edge.first, edge.second}};
-    for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      x.p[k] = end[k] + off.along * along[i] + off.distance * inward[i];
-    }
-    best.Offer(x, off.distance * off.distance);
-    return false;
-  });
+    for (std::size_t k = 0; k < 3; ++k) x.p.c[k] = end.c[k] + along * d[k] + distance * inward[k];
+    best.Offer(x, distance * distance);
+  }
   return best.found();
 }
 
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, const Point3& nearest) {
   ByNearestAxis best(to);
-  AnyCommonCorner(v, to, [&](VertexIndex corner) {
+  ForEachCommonCorner(v, to, [&](VertexIndex corner) {
     const Point3& at = to.PositionOf(corner);
     const Vector3 u = Difference(v.p.c, at.c), w = Difference(nearest.c, at.c);
     const double u2 = Dot(u, u), scale = std::sqrt(u2 / Dot(w, w));
-    if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return false;
+    if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return;
     Counterpart x{{}, {corner, corner}};
     for (int k = 0; k < 3; ++k) x.p[k] = at[k] + scale * w[static_cast<std::size_t>(k)];
     best.Offer(x, u2);
-    return false;
   });
   return best.found();
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/utf8.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -14,35 +15,12 @@ void SortById(auto& rows) {
   std::ranges::sort(rows, {}, [](const auto& row) { return row.id; });
 }
 
-// Reads one character. 0 if the bytes are no character of UTF-8 (surrogates and longer forms than
-// needed are none). REQUIRES: `text` is not empty.
-std::size_t ReadCharacter(std::string_view text, char32_t& character) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  const std::size_t length = first < 0x80   ? 1
-                             : first < 0xc2 ? 0
-                             : first < 0xe0 ? 2
-                             : first < 0xf0 ? 3
-                             : first < 0xf5 ? 4
-                                            : 0;
-  if (length == 0 || length > text.size()) return 0;
-  constexpr char32_t kBitsOfFirst[] = {0, 0x7f, 0x1f, 0x0f, 0x07};
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  character = first & kBitsOfFirst[length];
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-    character = character << 6 | (byte(i) & 0x3f);
-  }
-  const bool is_surrogate = character >= 0xd800 && character < 0xe000;
-  return character < kLeast[length] || is_surrogate || character > 0x10ffff ? 0 : length;
-}
-
 // Null if the name is good.
 const char* TroubleOf(std::string_view name) {
   if (name.size() > kMostNameBytes) return "has more than 255 bytes; choose a shorter one";
   while (!name.empty()) {
     char32_t c = 0;
-    const std::size_t length = ReadCharacter(name, c);
+    const std::size_t length = utf8::ReadCharacter(name, &c);
     if (length == 0) return "is not UTF-8; encode it so";
     if (c < 0x20 || (c >= 0x7f && c < 0xa0)) return "has a control character; leave it out";
     name.remove_prefix(length);

@@ -26,14 +26,15 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
   // Each vertex inside a segment has a neighbour on either side.
   absl::flat_hash_map<Row, std::array<Row, 2>> beside;
   std::vector<std::array<Row, 2>> starts;  // the end of a segment, and the vertex next to it
-  std::vector<std::pair<Row, Row>> ways;   // the same of all segments
+  const bool has_facets = mesh.dimension == 3 && mesh.subfacets.size() > 0;
+  std::vector<std::pair<Row, Row>> ways;  // the same of all segments; for facets
   for (std::size_t s = 0; s < mesh.subsegments.size(); ++s) {
     if (mesh.subsegments.owners[s] == kBoxFeature) continue;
     const auto a = row_of.find(mesh.subsegments.ends[2 * s]);
     const auto b = row_of.find(mesh.subsegments.ends[2 * s + 1]);
     if (a == row_of.end() || b == row_of.end()) continue;
     for (const auto& [from, to] : {std::pair(a->second, b->second), {b->second, a->second}}) {
-      if (!is_inner(from)) ways.emplace_back(from, to);
+      if (has_facets && !is_inner(from)) ways.emplace_back(from, to);
       if (is_inner(from)) {
         const auto [it, is_first] = beside.try_emplace(from, std::array{to, to});
         if (!is_first) it->second[1] = to;
@@ -54,7 +55,7 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
     }
     ends_.push_back({end, row});
   }
-  if (mesh.dimension == 3 && mesh.subfacets.size() > 0) corners_ = SharpCorners(mesh, row_of, ways);
+  if (has_facets) corners_ = SharpCorners(mesh, row_of, ways);
 }
 
 bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {

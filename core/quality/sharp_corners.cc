@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/vectors.h"
+#include "core/geometry/circumball.h"
 
 namespace dynmesh::quality {
 namespace {
 
+using geometry::Cross;
 using geometry::Dot;
-using Vector = std::array<double, 3>;
+using Vector = geometry::Vector3;
 using Triangle = std::array<std::size_t, 3>;
 
 // Facets that meet at 70 degrees or more need no vertices at equal distances.
@@ -21,10 +22,6 @@ Vector Between(const Mesh& mesh, std::size_t p, std::size_t q) {
     d[k] = mesh.vertices.coordinates[3 * q + k] - mesh.vertices.coordinates[3 * p + k];
   }
   return d;
-}
-
-Vector Cross(const Vector& u, const Vector& w) {
-  return {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
 }
 
 // Does the way from the corner t[0] to the vertex `next` rise over the triangle, or over a side

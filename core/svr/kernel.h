@@ -25,6 +25,16 @@ using SubsegmentIndex = std::uint32_t;
 using FacetIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
+// A Steiner point.
+template <int D>
+struct SteinerPoint {
+  geometry::Point<D> p;
+  FacetIndex facet = kNone;  // on which it lies
+  // If it is the counterpart of a vertex (meshing/sharp_facets.h): that, and the axis.
+  VertexIndex of = kNone;
+  std::array<VertexIndex, 2> axis = {kNone, kNone};
+};
+
 // Of vertices and uninserted points, by index.
 template <int D>
 using Positions = LargeVector<geometry::Point<D>>;

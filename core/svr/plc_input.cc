@@ -101,13 +101,12 @@ std::vector<VertexIndex> PlcInput<D>::Waiting() {
 }
 
 template <int D>
-VertexIndex PlcInput<D>::AddSteiner(const Point& p, FacetIndex facet, VertexIndex of,
-                                    const meshing::Axis& axis) {
-  if (facet == kNone) return NewVertex(p, D, meshing::kNil);
-  const VertexIndex v = NewVertex(p, 2, complex_.facets[facet].feature());
-  if (axis != meshing::kNoAxis) {
-    complex_.vertex(v).creator = of;
-    complex_.elements.SetAxis(v, axis);
+VertexIndex PlcInput<D>::AddSteiner(const SteinerPoint<D>& steiner) {
+  if (steiner.facet == kNone) return NewVertex(steiner.p, D, meshing::kNil);
+  const VertexIndex v = NewVertex(steiner.p, 2, complex_.facets[steiner.facet].feature());
+  if (steiner.axis != meshing::kNoAxis) {
+    complex_.vertex(v).creator = steiner.of;
+    complex_.elements.SetAxis(v, steiner.axis);
     has_wedges_ = true;
   }
   return v;
@@ -187,9 +186,8 @@ void PlcInput<D>::FindNeighbours(const Kernel<D>& mesh, VertexIndex v) {
 }
 
 template <int D>
-std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const Kernel<D>& mesh,
-                                                                         VertexIndex v) {
-  std::optional<OnFacet> best;
+std::optional<SteinerPoint<D>> PlcInput<D>::FindFacetPoint(const Kernel<D>& mesh, VertexIndex v) {
+  std::optional<SteinerPoint<D>> best;
   if constexpr (D == 3) {
     const Point& p = position(v);
     double far2 = 0;
@@ -217,19 +215,19 @@ std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const K
       const double d2 = geometry::SquaredDistance(at, p);
       if (d2 < most2 || (d2 == most2 && best && best->p < at)) return;
       most2 = d2;
-      best = OnFacet{at, complex_.facets.OfFeature(facet.feature())};
+      best = SteinerPoint<D>{at, complex_.facets.OfFeature(facet.feature())};
       nearest = cut->nearest;
     });
     if (best) {
       const auto other = meshing::CounterpartOn(complex_.facets[best->facet], complex_, v, nearest);
-      if (other) best = OnFacet{other->p, best->facet, other->axis};
+      if (other) best = SteinerPoint<D>{other->p, best->facet, v, other->axis};
     }
   }
   return best;
 }
 
 template <int D>
-typename PlcInput<D>::OnFacet PlcInput<D>::MoveToFacet(const Ball<D>& ball) const {
+SteinerPoint<D> PlcInput<D>::MoveToFacet(const Ball<D>& ball) const {
   if constexpr (D == 3) {
     if (has_facets()) {
       const auto foot = meshing::FootNear(complex_.facets, ball.centre, std::sqrt(ball.r2));

@@ -61,9 +61,7 @@ class PlcInput {
   std::vector<VertexIndex> Waiting();
   const Point& position(VertexIndex v) const { return complex_.vertex(v).p; }
   bool IsSteiner(VertexIndex v) const { return complex_.vertex(v).dimension == D; }
-  // `of`, `axis`: if p is the counterpart of a vertex.
-  VertexIndex AddSteiner(const Point& p, FacetIndex facet = kNone, VertexIndex of = kNone,
-                         const meshing::Axis& axis = meshing::kNoAxis);
+  VertexIndex AddSteiner(const SteinerPoint<D>& steiner);
   void SetPresent(VertexIndex v) { complex_.elements.SetPresent(v, true); }
   // Of the edges that count: those between two segments of a wedge, on one shell, do not.
   double SquaredShortestEdge(const Kernel<D>& mesh, SimplexIndex s) const;
@@ -94,19 +92,13 @@ class PlcInput {
   // Splits s. Returns the new vertex, which is not inserted yet.
   VertexIndex Split(SubsegmentIndex s);
 
-  // A position, and the facet that it is on, or kNone.
-  struct OnFacet {
-    Point p;
-    FacetIndex facet = kNone;
-    meshing::Axis axis = meshing::kNoAxis;  // p is the counterpart of v (sharp_facets.h)
-  };
   bool has_facets() const { return D == 3 && !complex_.facets.empty(); }
   // The corner, farthest from v, of what a facet that v is not on has in the Voronoi cell of v; or
   // v's counterpart on the facet.
-  std::optional<OnFacet> FindFacetPoint(const Kernel<D>& mesh, VertexIndex v);
+  std::optional<SteinerPoint<D>> FindFacetPoint(const Kernel<D>& mesh, VertexIndex v);
   // The foot of the ball's centre on a facet that is nearer than kNearFacet of the radius
   // (meshing/facet_work.h), or the centre.
-  OnFacet MoveToFacet(const Ball<D>& ball) const;
+  SteinerPoint<D> MoveToFacet(const Ball<D>& ball) const;
 
   // --- Results: as of meshing::Refinement ---------------------------------------------------
 

@@ -36,10 +36,7 @@ class PointInput {
   bool IsSteiner(VertexIndex v) const { return v >= positions_.size(); }
   bool IsInput(VertexIndex v) const { return v >= border_count_ && !IsSteiner(v); }
   // A new vertex.
-  template <class... Facet>
-  VertexIndex AddSteiner(const Point& /*p*/, const Facet&... /*facet*/) {
-    return end_++;
-  }
+  VertexIndex AddSteiner(const SteinerPoint<D>& /*steiner*/) { return end_++; }
   void SetPresent(VertexIndex /*v*/) {}
   // Of the simplex's edges that count for its quality.
   double SquaredShortestEdge(const Kernel<D>& mesh, SimplexIndex s) const {

@@ -165,7 +165,7 @@ void Svr<D, Input, Location>::DoFacets(const Item& item) {
     const auto found = input_.FindFacetPoint(mesh_, item.of);
     if (!found) return;
     work_[kFacets].push_back(item);  // until nothing is found
-    InsertSteiner(found->p, ConflictNear(item.of, found->p), 0, found->facet, item.of, found->axis);
+    InsertSteiner(*found, ConflictNear(item.of, found->p), 0);
   }
 }
 
@@ -192,10 +192,9 @@ typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Split(Simplex
   }
   const double e2 = input_.SquaredShortestEdge(mesh_, s);
   if constexpr (Input::kHasFeatures) {
-    const auto on = input_.MoveToFacet(ball);
-    return InsertSteiner(on.p, s, e2, on.facet);
+    return InsertSteiner(input_.MoveToFacet(ball), s, e2);
   }
-  return InsertSteiner(ball.centre, s, e2);
+  return InsertSteiner({ball.centre}, s, e2);
 }
 
 template <int D, class Input, class Location>
@@ -207,14 +206,13 @@ typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertWaiting
 }
 
 template <int D, class Input, class Location>
-template <class... OnFacet>
 typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertSteiner(
-    const Point& p, SimplexIndex conflicting, double e2, const OnFacet&... on) {
-  const Outcome outcome = Protect(p, e2);
+    const SteinerPoint<D>& steiner, SimplexIndex conflicting, double e2) {
+  const Outcome outcome = Protect(steiner.p, e2);
   if (outcome != Outcome::kInserted) return outcome;
-  positions_.push_back(p);
+  positions_.push_back(steiner.p);
   is_entered_.push_back(false);
-  Insert(input_.AddSteiner(p, on...), conflicting, false);
+  Insert(input_.AddSteiner(steiner), conflicting, false);
   return outcome;
 }
 

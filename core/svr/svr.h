@@ -125,10 +125,8 @@ class Svr {
   Outcome Split(SimplexIndex s);
   // Inserts v, an uninserted point.
   Outcome InsertWaiting(VertexIndex v, SimplexIndex conflicting);
-  // Inserts a Steiner point. `e2`: the squared length of the edge that asks for it; `on`: the
-  // facet, and of a counterpart its vertex and axis.
-  template <class... OnFacet>
-  Outcome InsertSteiner(const Point& p, SimplexIndex conflicting, double e2, const OnFacet&... on);
+  // `e2`: the squared length of the edge that asks for it.
+  Outcome InsertSteiner(const SteinerPoint<D>& steiner, SimplexIndex conflicting, double e2);
   void Insert(VertexIndex v, SimplexIndex conflicting, bool was_waiting);
   // A simplex that has p in its circumscribed ball. `v`: the vertex nearest to p, or one nearby.
   SimplexIndex ConflictNear(VertexIndex v, const Point& p);

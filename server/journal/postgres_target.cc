@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
@@ -32,7 +31,7 @@ std::string Quoted(absl::string_view value) {
 }  // namespace
 
 absl::StatusOr<Target> ParseTarget(const std::string& url) {
-  if (!absl::StartsWith(url, "postgresql://") && !absl::StartsWith(url, "postgres://")) {
+  if (!IsAddress(url)) {
     return absl::InvalidArgumentError("the journal's address does not begin with postgresql://");
   }
   char* error = nullptr;

@@ -5,8 +5,15 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/match.h"
+#include "absl/strings/string_view.h"
 
 namespace dynmesh::server::postgres {
+
+// True if `place` is the address of a database. libpq takes both schemes.
+inline bool IsAddress(absl::string_view place) {
+  return absl::StartsWith(place, "postgresql://") || absl::StartsWith(place, "postgres://");
+}
 
 struct Target {
   std::string conninfo;  // for the library: may have a password

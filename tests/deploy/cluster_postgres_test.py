@@ -203,6 +203,16 @@ class Cluster(unittest.TestCase):
             "WHERE state = 'streaming' ORDER BY 1"
         )
 
+    def promote(self, *standbys):
+        """Makes the standby that is ahead the primary; the other follows it. Returns both."""
+        received = "SELECT pg_last_wal_receive_lsn() - '0/0'"
+        new, other = sorted(standbys, key=lambda server: -int(server.sql(received)))
+        self.assertEqual(new.sql("SELECT pg_promote()"), "t")
+        other.end(signal.SIGINT)
+        other.start(new)
+        self.wait_for("a standby", f"{other.name} quorum", lambda: self.standbys_of(new))
+        return new, other
+
     def test_an_edit_is_on_two_machines_and_outlives_the_primary(self):
         a, b, c = self.servers
         for server in self.servers:
@@ -236,14 +246,9 @@ class Cluster(unittest.TestCase):
         c.start(a)
         self.wait_for("two standbys again", both, lambda: self.standbys_of(a))
 
-        # The primary is lost. The standby that is ahead becomes the primary, the other follows it.
+        # The primary is lost.
         a.end(signal.SIGQUIT)
-        received = "SELECT pg_last_wal_receive_lsn() - '0/0'"
-        new, other = sorted((b, c), key=lambda server: -int(server.sql(received)))
-        self.assertEqual(new.sql("SELECT pg_promote()"), "t")
-        other.end(signal.SIGINT)
-        other.start(new)
-        self.wait_for("a standby", f"{other.name} quorum", lambda: self.standbys_of(new))
+        new, other = self.promote(b, c)
         self.assertEqual(new.sql("INSERT INTO dynmesh.t VALUES(3)", "dynmesh"), "")
         self.assertEqual(new.sql("SELECT string_agg(n::text, ' ' ORDER BY n) FROM dynmesh.t"), "1 2 3")
 
@@ -312,12 +317,7 @@ class Cluster(unittest.TestCase):
         a.end(signal.SIGQUIT)
         for node in nodes:
             self.wait_for("the log", True, lambda n=node: "event=leases_not_renewed" in n.log())
-        received = "SELECT pg_last_wal_receive_lsn() - '0/0'"
-        new, other = sorted((b, c), key=lambda server: -int(server.sql(received)))
-        self.assertEqual(new.sql("SELECT pg_promote()"), "t")
-        other.end(signal.SIGINT)
-        other.start(new)
-        self.wait_for("a standby", f"{other.name} quorum", lambda: self.standbys_of(new))
+        new, other = self.promote(b, c)
         for node in nodes:
             self.wait_for("the log", True, lambda n=node: "event=leases_renewed_again" in n.log())
         self.command(nodes, *edit(3))

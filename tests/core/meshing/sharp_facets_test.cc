@@ -25,6 +25,16 @@ Facet Triangle(const std::vector<Point3>& points, VertexIndex a, VertexIndex b, 
   return Facet(rings, feature, [&](VertexIndex v) { return points[v]; });
 }
 
+// A random place in the triangle from the origin to points a and b.
+Point3 PlaceIn(const std::vector<Point3>& points, VertexIndex a, VertexIndex b,
+               test::Random& random) {
+  double x = random.Unit(), y = random.Unit();
+  if (x + y > 1) x = 1 - x, y = 1 - y;
+  Point3 p;
+  for (int k = 0; k < 3; ++k) p[k] = x * points[a][k] + y * points[b][k];
+  return p;
+}
+
 // Two triangles over the edge from 0 to 1, at `angle`; the corners 2 and 3.
 struct Wedge {
   explicit Wedge(double angle, test::Random& random) {
@@ -37,14 +47,8 @@ struct Wedge {
     f = Triangle(points, 0, 1, 2, 10);
     g = Triangle(points, 1, 3, 0, 11);
   }
-  // A random place in the triangle f.
-  Point3 InF(test::Random& random) const {
-    double a = random.Unit(), b = random.Unit();
-    if (a + b > 1) a = 1 - a, b = 1 - b;
-    Point3 p;
-    for (int k = 0; k < 3; ++k) p[k] = a * points[1][k] + b * points[2][k];
-    return p;
-  }
+  Point3 InF(test::Random& random) const { return PlaceIn(points, 1, 2, random); }
+  Point3 InG(test::Random& random) const { return PlaceIn(points, 1, 3, random); }
 
   std::vector<Point3> points;
   Facet f, g;
@@ -68,10 +72,7 @@ TEST(SharpFacets, ATurnedPlaceIsAsFarFromBothEndsAndTurnsBack) {
     }
     // Every place of g is nearer to x than to p.
     for (int k = 0; k < 10; ++k) {
-      double a = random.Unit(), b = random.Unit();
-      if (a + b > 1) a = 1 - a, b = 1 - b;
-      Point3 y;
-      for (int j = 0; j < 3; ++j) y[j] = a * w.points[1][j] + b * w.points[3][j];
+      const Point3 y = w.InG(random);
       EXPECT_LE(SquaredDistance(y, x->p), SquaredDistance(y, p) + 1e-13);
     }
     const auto back = TurnedInto(w.f, w.g, x->p);
