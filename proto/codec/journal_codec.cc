@@ -1,5 +1,8 @@
 #include "proto/codec/journal_codec.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <limits>
 #include <utility>
 
@@ -111,6 +114,28 @@ absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, Jour
   absl::Status status = DecodeAdds(proto->features(), dimension, &out->edits);
   status.Update(DecodeHash(proto->hash(), &out->hash));
   return Damage(status);
+}
+
+absl::StatusOr<MeshHash> DecodeJournalHash(const std::string& bytes) {
+  using google::protobuf::internal::WireFormatLite;
+  static_assert(int{v1::JournalEntry::kHashFieldNumber} == v1::JournalSnapshot::kHashFieldNumber);
+  constexpr auto kHash = (std::uint32_t{v1::JournalEntry::kHashFieldNumber} << 3) |
+                         WireFormatLite::WIRETYPE_LENGTH_DELIMITED;
+  google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                                            static_cast<int>(bytes.size()));
+  std::string hex;
+  bool good = true;
+  while (const std::uint32_t tag = good ? in.ReadTag() : 0) {
+    good =
+        tag == kHash ? WireFormatLite::ReadString(&in, &hex) : WireFormatLite::SkipField(&in, tag);
+  }
+  MeshHash hash;
+  if (!good || !in.ConsumedEntireMessage()) {
+    return absl::DataLossError(absl::StrCat("these ", bytes.size(), " bytes are no record"));
+  }
+  absl::Status status = DecodeHash(hex, &hash);
+  if (!status.ok()) return status;
+  return hash;
 }
 
 std::string EncodeJournalAnswer(const JournalAnswer& answer) {

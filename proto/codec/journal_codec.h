@@ -41,6 +41,10 @@ std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features
 // Appends a part's features to `out` as edits that add them.
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out);
 
+// The hash in an entry or in a part of a snapshot, without decoding the rest. O(bytes) in time,
+// O(1) in memory.
+absl::StatusOr<MeshHash> DecodeJournalHash(const std::string& bytes);
+
 struct JournalAnswer {
   std::uint64_t content_a = 0, content_b = 0;
   std::uint64_t from_revision = 0, to_revision = 0;

@@ -77,7 +77,7 @@ absl::Status Named(const absl::Status& status, const std::string& mesh) {
   return absl::Status(status.code(), absl::StrCat("mesh ", mesh, ": ", status.message()));
 }
 
-// What is read back: a summary, and the hash of the last revision.
+// What is read back: a summary, and the hash of the last revision. Each revision has a hash.
 struct Found {
   Summary summary;
   MeshHash hash;
@@ -86,12 +86,14 @@ struct Found {
 absl::StatusOr<Found> ReadBack(Journal& journal, const Mesh& mesh, absl::Duration interval) {
   const absl::StatusOr<std::vector<std::uint64_t>> generations = GenerationsOf(journal, mesh.key);
   if (!generations.ok()) return generations.status();
-  const auto made = codec::DecodeJournalMesh(mesh.description);
-  if (!made.ok()) return made.status();
-  const int dimension = made->options.dimension;
   Found found;
   Progress progress("comparing", mesh.id, interval);
-  std::string last_part, last_entry;
+  const auto take = [&](const std::string& data) {
+    progress.At(found.summary);
+    const absl::StatusOr<MeshHash> hash = codec::DecodeJournalHash(data);
+    if (hash.ok()) found.hash = *hash;
+    return hash.status();
+  };
   Journal::Visitor visitor;
   visitor.request = [&](const Journal::Request& request) {
     found.summary.AddRequest(request);
@@ -99,29 +101,14 @@ absl::StatusOr<Found> ReadBack(Journal& journal, const Mesh& mesh, absl::Duratio
   };
   visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
     found.summary.AddPart(revision, part);
-    last_part = part;
-    last_entry.clear();
-    progress.At(found.summary);
-    return absl::OkStatus();
+    return take(part);
   };
   visitor.entry = [&](const Journal::Entry& entry) {
     found.summary.AddEntry(entry);
-    last_entry = entry.data;
-    progress.At(found.summary);
-    return absl::OkStatus();
+    return take(entry.data);
   };
-  absl::Status status = ReadWhole(journal, mesh.key, *generations, visitor);
+  const absl::Status status = ReadWhole(journal, mesh.key, *generations, visitor);
   if (!status.ok()) return status;
-  if (!last_entry.empty()) {
-    const auto entry = codec::DecodeJournalEntry(last_entry, dimension);
-    if (!entry.ok()) return entry.status();
-    found.hash = entry->hash;
-  } else if (!last_part.empty()) {
-    codec::JournalEntry snapshot;
-    status = codec::DecodeJournalSnapshot(last_part, dimension, &snapshot);
-    if (!status.ok()) return status;
-    found.hash = snapshot.hash;
-  }
   return found;
 }
 

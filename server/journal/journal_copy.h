@@ -37,7 +37,7 @@ struct CopyCounts {
 };
 
 // Blocks for as long as reading the source once and the target once takes, and writing. O(one
-// transaction + answers of a mesh) in memory. Progress is logged.
+// transaction + the largest batch + the answers of a mesh) in memory. Progress is logged.
 //
 // Before anything is written: NOT_FOUND if the source lacks a named mesh, DATA_LOSS if one of the
 // meshes is damaged or lacks acknowledged data, ALREADY_EXISTS if the target has another mesh of

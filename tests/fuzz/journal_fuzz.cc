@@ -25,9 +25,20 @@ std::string CheckRound(const absl::StatusOr<T>& first, Encode encode, Decode dec
   return encode(*again) == written ? "" : "what was written is read as something else";
 }
 
+// What reads the hash alone reads the same.
+std::string CheckHash(const std::string& bytes, const absl::StatusOr<codec::JournalEntry>& whole) {
+  const auto hash = codec::DecodeJournalHash(bytes);
+  if (!hash.ok() && whole.ok()) return "no hash in a record: " + hash.status().ToString();
+  if (!hash.ok()) return CheckError(hash.status());
+  return !whole.ok() || *hash == whole->hash ? "" : "another hash";
+}
+
 std::string CheckSnapshot(const std::string& bytes, int dimension) {
   codec::JournalEntry entry;
   const absl::Status status = codec::DecodeJournalSnapshot(bytes, dimension, &entry);
+  const std::string other =
+      CheckHash(bytes, status.ok() ? absl::StatusOr<codec::JournalEntry>(entry) : status);
+  if (!other.empty()) return other;
   if (!status.ok()) return CheckError(status);
   const auto encode = [dimension](const codec::JournalEntry& e) {
     std::vector<Feature> features;
@@ -58,6 +69,10 @@ std::string FuzzJournal(std::string_view bytes) {
   const std::string body(bytes.substr(1));
   switch (kind / 2 % 4) {
     case 0:
+      if (const std::string other = CheckHash(body, codec::DecodeJournalEntry(body, dimension));
+          !other.empty()) {
+        return other;
+      }
       return CheckRound(
           codec::DecodeJournalEntry(body, dimension),
           [&](const codec::JournalEntry& e) {

@@ -91,6 +91,25 @@ TEST_P(PostgresRepeatedTest, ASnapshotIsWrittenWholeOrNotAtAll) {
   EXPECT_GT(failed, 5);
 }
 
+// A mesh of another journal: what is written twice is there once.
+TEST_P(PostgresRepeatedTest, AnImportIsRepeated) {
+  CutEach([this](int skipped) {
+    const std::string id = absl::StrCat("m", skipped);
+    CutAfter(skipped);
+    const auto key = journal_->NewKey();
+    ASSERT_TRUE(key.ok()) << key.status();
+    ASSERT_TRUE(journal_->WriteUnseen(*key, {{2, 0, "p"}, {2, 1, "q"}}, {{3, "a"}}).ok());
+    ASSERT_TRUE(journal_->WriteUnseen(*key, {}, {{4, "b"}, {5, "c"}}).ok());
+    const absl::Status made =
+        journal_->Publish(*key, {id, "about", 5, {{2, 2, 2, 3}}, {{"r", "x"}, {"s", "y"}}});
+    proxy_.CutNext(Cut::kNone);
+    ASSERT_TRUE(made.ok()) << made;
+    EXPECT_EQ(Told(*journal_, *key), "?r=x ?s=y @2:p @2:q 3:a 4:b 5:c ");
+    ASSERT_TRUE(journal_->Claim(*key).ok());
+    EXPECT_TRUE(journal_->Append(*key, Entry{6, "d"}, std::nullopt).ok());
+  });
+}
+
 INSTANTIATE_TEST_SUITE_P(Cuts, PostgresRepeatedTest,
                          ::testing::Values(Cut::kAnswer, Cut::kQuestion));
 
