@@ -151,20 +151,6 @@ void LabelRegions(const std::vector<io::SeedRow>& regions, io::IndexedMesh& mesh
 
 }  // namespace
 
-void LabelFeatures(const io::FeatureLabels& labels, std::vector<Feature>& features) {
-  if (labels.markers.empty() && labels.names.empty()) return;
-  for (Feature& f : features) f.label = {labels.MarkerOf(f.id), labels.NameOf(f.id)};
-}
-
-std::shared_ptr<const io::FeatureLabels> FileLabelsOf(const LabelColumn& labels) {
-  auto result = std::make_shared<io::FeatureLabels>();
-  for (const auto& [id, label] : labels) {
-    if (label.marker != 0) result->markers[id] = label.marker;
-    if (!label.name.empty()) result->names[id] = label.name;
-  }
-  return result;
-}
-
 void AddMarkersFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--markers", text,

@@ -23,11 +23,6 @@ struct MeshLabels {
   bool steiner_ids = false;                           // --markers owners
 };
 
-// Gives each of `features` its label. Attributes stay behind.
-void LabelFeatures(const io::FeatureLabels& labels, std::vector<Feature>& features);
-// The labels of a mesh, as of the input of a command.
-std::shared_ptr<const io::FeatureLabels> FileLabelsOf(const LabelColumn& labels);
-
 // --markers
 void AddMarkersFlag(CLI::App& command, std::string& text);
 // INVALID_ARGUMENT unless it is "ids", "owners", "input" or empty (ids).

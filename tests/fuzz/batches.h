@@ -76,11 +76,15 @@ class Unpacker {
         const FeatureId id = Id();
         const Place p = Position();
         batch.push_back(Edit::Move(id, p[0], p[1], p[2]));
+      } else if (action == 15) {
+        const FeatureId id = Id();
+        batch.push_back(Edit::SetLabel(id, Label()));
       } else {
-        const Feature feature = action == 11      ? Polygon()
-                                : action == 13    ? Size()
-                                : action % 2 == 0 ? Segment()
-                                                  : Point();
+        Feature feature = action == 11      ? Polygon()
+                          : action == 13    ? Size()
+                          : action % 2 == 0 ? Segment()
+                                            : Point();
+        if (action == 6 || action == 7) feature.label = Label();
         batch.push_back(action == 5 || action == 6 ? Edit::Set(feature) : Edit::Add(feature));
       }
     }
@@ -101,6 +105,12 @@ class Unpacker {
   FeatureId Id() {
     const std::uint8_t byte = Byte();
     return byte == 255 ? kBoxFeature : byte;
+  }
+
+  // Now and then none, or a name that is refused.
+  FeatureLabel Label() {
+    const auto marker = static_cast<std::int8_t>(Byte());
+    return {marker, std::string(Byte() % 3, static_cast<char>(Byte()))};
   }
 
   Feature Point() {
@@ -217,7 +227,17 @@ class Run {
   }
 
   std::string Compare() const {
-    if (!(ComputeHash(mesh_.Snapshot()) == mesh_.hash())) return "the snapshot has another hash";
+    const Mesh snapshot = mesh_.Snapshot();
+    if (!(ComputeHash(snapshot) == mesh_.hash())) return "the snapshot has another hash";
+    if (snapshot.labels != replica_.labels()) return "a replica has other labels";
+    auto label = snapshot.labels.begin();
+    for (const Feature& f : mesh_.Features()) {
+      if (!f.label) continue;
+      if (label == snapshot.labels.end() || *label++ != LabelOfFeature{f.id, *f.label}) {
+        return "the labels are not those of the features";
+      }
+    }
+    if (label != snapshot.labels.end()) return "a label without a feature";
     return test::CompareWithScratch(mesh_, accepted_ % 2 == 0).what;
   }
 

@@ -38,13 +38,16 @@ void Write(const std::filesystem::path& file, const std::string& bytes) {
 
 EditBatch Square(int dimension) {
   const double z = dimension == 3 ? 0.5 : 0;
-  return {Edit::Add(Feature::Point(1, 0.25, 0.25, z)),
+  Feature labelled = Feature::Point(1, 0.25, 0.25, z);
+  labelled.label = FeatureLabel{-3, "corner"};
+  return {Edit::Add(labelled),
           Edit::Add(Feature::Point(2, 0.75, 0.25, z)),
           Edit::Add(Feature::Point(3, 0.75, 0.75, z)),
           Edit::Add(Feature::Point(4, 0.25, 0.75, z)),
           Edit::Add(Feature::Polygon(5, {{1, 2, 3, 4}})),
           Edit::Add(Feature::Segment(6, 1, 2)),
-          Edit::Add(Feature::Size(7, {0.5, 0.5, z}, {SizeShape::kDisc, 0.3, 0.1, {}}))};
+          Edit::Add(Feature::Size(7, {0.5, 0.5, z}, {SizeShape::kDisc, 0.3, 0.1, {}})),
+          Edit::SetLabel(5, {1, "\u00c4u\u00dferes"})};
 }
 
 template <typename Request>
@@ -171,6 +174,8 @@ void WriteAnswers(const std::filesystem::path& folder) {
     event.mutable_snapshot()->mutable_simplices()->add_vertex_ids(vertices->ids(i));
   }
   event.mutable_snapshot()->mutable_simplices()->add_regions(7);
+  event.mutable_snapshot()->mutable_labels()->add_features(2);
+  event.mutable_snapshot()->mutable_labels()->add_names("inlet");
   Write(folder / "own-rows", Seed().Say(130, event).bytes());
   v1::WatchEvent mixed;
   *mixed.mutable_snapshot()->mutable_simplices() = event.snapshot().simplices();
@@ -180,6 +185,7 @@ void WriteAnswers(const std::filesystem::path& folder) {
   diff.set_to_revision(1);
   *diff.mutable_added_vertices() = event.snapshot().vertices();
   *diff.mutable_added_simplices() = event.snapshot().simplices();
+  *diff.mutable_labels() = event.snapshot().labels();
   v1::MeshDiff begin = diff;
   begin.set_more(true);
   diff.set_hash(MeshHash().ToHex());
@@ -201,7 +207,9 @@ void WriteJournal(const std::filesystem::path& folder) {
     const std::string end = dimension == 2 ? "-plane" : "-space";
     const EditBatch batch = Square(dimension);
     std::vector<Feature> features;
-    for (const Edit& edit : batch) features.push_back(edit.feature);
+    for (const Edit& edit : batch) {
+      if (edit.action == Edit::Action::kAdd) features.push_back(edit.feature);
+    }
     const auto with = [](int kind, const std::string& b) { return static_cast<char>(kind) + b; };
     Write(folder / ("entry" + end),
           with(0 + odd, codec::EncodeJournalEntry(batch, MeshHash{1, 2}, dimension)));

@@ -77,7 +77,7 @@ int Run(const LoadCommand& command) {
   if (const auto left_out = LabelsLeftOut(*input, command.input); !left_out.empty()) {
     PrintWarning(left_out);
   }
-  LabelFeatures(*input->labels, input->features);
+  io::SetLabels(*input->labels, input->features);
   if (auto s = PrepareMesh(**client, command, *input); !s.ok()) return ReportError(s);
   ProgressBar bar(ErrorIsTerminal());
   client::LoadParams params;

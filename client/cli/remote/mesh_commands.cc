@@ -106,7 +106,7 @@ int RunExport(const NamedCommand& command) {
     if (!part.ok()) return ReportError(part.status());
   }
   WarnOfUnknownRegions(*region, *mesh);
-  labels.features = FileLabelsOf(mesh->labels);
+  labels.features = std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh->labels));
   labels.is_part = !command.region.empty();
   if (auto status = WriteOutputs(*mesh, info->options, command.output, labels); !status.ok()) {
     return ReportError(status);

@@ -131,7 +131,8 @@ int Run(const WatchCommand& command) {
   const auto session = client->Watch(command.id, options, &printer);
   absl::Status status = printer.Wait();
   session->Stop();
-  labels.features = FileLabelsOf(printer.mesh().labels);
+  labels.features =
+      std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(printer.mesh().labels));
   if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output, labels);
   return status.ok() ? kExitDone : ReportError(status);
 }

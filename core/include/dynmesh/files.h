@@ -11,7 +11,6 @@
 #define DYNMESH_FILES_H_
 
 #include <array>
-#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -27,13 +26,13 @@ namespace dynmesh {
 
 // The content of an input file.
 struct FileInput {
-  std::vector<Feature> features;  // points 1, 2, ..., then segments, then polygons, in file order
+  // Points 1, 2, ..., then segments, then polygons, in file order. Markers (0 left out) and names
+  // of groups are their labels; a name that a label cannot have is kept, and BuildMesh refuses it.
+  std::vector<Feature> features;
   // The file's options (an edit script), or the usual ones of its dimension and its bounding box.
   MeshOptions options;
-  std::vector<std::array<double, 3>> holes;   // a place in each part that is to be left out
-  std::map<FeatureId, std::int64_t> markers;  // of the file, 0 left out
-  std::map<FeatureId, std::string> names;     // of groups
-  std::map<FeatureId, std::string> places;    // "file:line" of each feature, for messages
+  std::vector<std::array<double, 3>> holes;  // a place in each part that is to be left out
+  std::map<FeatureId, std::string> places;   // "file:line" of each feature, for messages
 };
 
 // Reads the file at `path` by its extension: .node, .poly, .smesh (Triangle, TetGen), .off, .stl,
@@ -50,11 +49,10 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh,
                                 std::span<const std::array<double, 3>> holes = {});
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in
-// 3D, .face beside it), .vtu, .msh (Gmsh 4.1) or .mesh (Medit). `input`, if given, adds its names.
+// 3D, .face beside it), .vtu, .msh (Gmsh 4.1) or .mesh (Medit). Names of labels become groups.
 // Either the files are complete, or the former ones stay. INVALID_ARGUMENT for another extension,
 // or a mesh with unknown ids; UNAVAILABLE if a file cannot be written. O(n lg n).
-absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path,
-                       const FileInput* input = nullptr);
+absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path);
 
 // Reads the mesh whose .node, .ele, .edge or .face is at `path`, as WriteMesh writes it: the same
 // mesh, at revision 0. INVALID_ARGUMENT as "file:line: what is wrong"; NOT_FOUND without a .node or

@@ -53,11 +53,6 @@ absl::StatusOr<io::FileFeatures> ReadFeatures(const std::string& path, int* dime
              ".vtu or .dynmesh"));
 }
 
-void TakeLabels(const io::FeatureLabels& labels, FileInput& input) {
-  input.markers.insert(labels.markers.begin(), labels.markers.end());
-  input.names = labels.names;
-}
-
 absl::StatusOr<FileInput> ReadScript(const std::string& path) {
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
   if (!script.ok()) return script.status();
@@ -75,7 +70,7 @@ absl::StatusOr<FileInput> ReadScript(const std::string& path) {
     }
   }
   input.features = features.Sorted();
-  TakeLabels(script->labels, input);
+  io::SetLabels(script->labels, input.features);
   return input;
 }
 
@@ -94,14 +89,15 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar
   input.options.min_dihedral = DefaultMinDihedral(dimension);
   input.options.box = io::BoundingBox(input.features, dimension);
   for (const io::SeedRow& hole : file->holes) input.holes.push_back(hole.position);
-  TakeLabels(file->labels, input);
-  if (!merge_coplanar || dimension == 2) return input;
-  absl::StatusOr<std::vector<Feature>> merged = coplanar::MergeCoplanar(input.features);
-  if (!merged.ok()) {
-    return absl::Status(merged.status().code(),
-                        Concat(path, ": ", text::View(merged.status().message())));
+  if (merge_coplanar && dimension == 3) {
+    absl::StatusOr<std::vector<Feature>> merged = coplanar::MergeCoplanar(input.features);
+    if (!merged.ok()) {
+      return absl::Status(merged.status().code(),
+                          Concat(path, ": ", text::View(merged.status().message())));
+    }
+    input.features = *std::move(merged);
   }
-  input.features = *std::move(merged);
+  io::SetLabels(file->labels, input.features);
   return input;
 }
 
@@ -122,15 +118,12 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh, std::span<const std::array<dou
   return mesh_data::OnlyRows(mesh, keep);
 }
 
-absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path,
-                       const FileInput* input) {
+absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path) {
   absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return indexed.status();
-  if (input != nullptr) {
-    io::FeatureLabels labels;
-    labels.names = input->names;
-    labels.markers.insert(input->markers.begin(), input->markers.end());
-    io::LabelRows(std::make_shared<const io::FeatureLabels>(std::move(labels)), false, *indexed);
+  if (!mesh.labels.empty()) {
+    io::LabelRows(std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh.labels)),
+                  false, *indexed);
   }
   const std::string extension = io::ExtensionOf(path);
   if (extension == ".vtu") {

@@ -11,6 +11,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
 
 namespace dynmesh::io {
 
@@ -33,6 +34,13 @@ struct FeatureLabels {
     return it == names.end() ? "" : it->second;
   }
 };
+
+// Gives each of `features` its marker and name as its label. Attributes stay behind. A name may be
+// one that a label cannot have: Apply and BuildMesh refuse it. O(n) expected.
+void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features);
+
+// The markers and names of a mesh's labels. O(n lg n).
+FeatureLabels FromLabelColumn(const LabelColumn& labels);
 
 }  // namespace dynmesh::io
 

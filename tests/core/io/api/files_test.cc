@@ -1,5 +1,6 @@
 #include "dynmesh/files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -49,7 +50,9 @@ TEST(Files, AnInputBecomesAMeshOfItsInsideInAFile) {
   const auto input = ReadInput(folder.Write("f.poly", kFrame));
   ASSERT_TRUE(input.ok()) << input.status();
   EXPECT_EQ(input->features.size(), 16U);
-  EXPECT_EQ(input->markers, (std::map<FeatureId, std::int64_t>{{9, 5}}));
+  ASSERT_EQ(input->features[8].id, 9U);
+  EXPECT_EQ(*input->features[8].label, (FeatureLabel{5, ""}));
+  EXPECT_FALSE(input->features[9].label);
   EXPECT_EQ(input->places.at(9), folder.Path("f.poly") + ":11");
   const auto mesh = BuildMesh(input->features, input->options);
   ASSERT_TRUE(mesh.ok());
@@ -57,7 +60,7 @@ TEST(Files, AnInputBecomesAMeshOfItsInsideInAFile) {
   ASSERT_TRUE(inside.ok());
   EXPECT_NEAR(SizeOf(*inside), 0.96, 1e-14);
   for (const char* name : {"m.node", "m.vtu", "m.msh", "m.mesh"}) {
-    EXPECT_TRUE(WriteMesh(*inside, input->options, folder.Path(name), &*input).ok()) << name;
+    EXPECT_TRUE(WriteMesh(*inside, input->options, folder.Path(name)).ok()) << name;
   }
   Mesh read = *ReadMesh(folder.Path("m.node"));
   EXPECT_EQ(read.hash, inside->hash);
@@ -66,6 +69,34 @@ TEST(Files, AnInputBecomesAMeshOfItsInsideInAFile) {
   const auto from_mesh = BuildMesh(again->features, again->options);
   EXPECT_NEAR(SizeOf(*KeepInside(*from_mesh, again->holes)), 0.96, 1e-14);
   EXPECT_FALSE(KeepInside(*BuildMesh({}, input->options)).ok());
+}
+
+TEST(Files, NamesAreWrittenAsGroups) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write(
+      "n.dynmesh",
+      "mesh box=0,0,4,4\nadd point 1 1 1\nadd point 2 3 1\nadd segment 3 1 2\nname 3 inlet\n"));
+  ASSERT_TRUE(input.ok()) << input.status();
+  const auto mesh = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  ASSERT_TRUE(WriteMesh(*mesh, input->options, folder.Path("n.msh")).ok());
+  EXPECT_NE(folder.Read("n.msh").find("\"inlet\""), std::string::npos);
+  const auto again = ReadInput(folder.Path("n.msh"));
+  ASSERT_TRUE(again.ok()) << again.status();
+  const auto named = std::ranges::count_if(again->features, [](const Feature& f) {
+    return f.kind == FeatureKind::kSegment && f.label->name == "inlet";
+  });
+  EXPECT_GT(named, 0);
+}
+
+TEST(Files, ANameThatNoLabelCanHaveIsRefused) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write(
+      "n.dynmesh", "mesh box=0,0,4,4\nadd point 1 1 1\nname 1 " + std::string(256, 'x') + "\n"));
+  ASSERT_TRUE(input.ok()) << input.status();
+  const auto mesh = BuildMesh(input->features, input->options);
+  EXPECT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(mesh.status().message().find("feature 1"), std::string::npos) << mesh.status();
 }
 
 TEST(Files, SurfacesAreReadAndTheirFacesJoined) {
@@ -85,9 +116,10 @@ TEST(Files, ScriptsAreReadToTheirEnd) {
       "s.dynmesh",
       "mesh box=0,0,4,4 rho=1.2\nadd point 1 1 1\nadd point 2 2 2\ncommit\nremove 2\nname 1 A\n"));
   ASSERT_TRUE(input.ok()) << input.status();
-  EXPECT_EQ(input->features, std::vector<Feature>{Feature::Point(1, 1, 1)});
+  Feature point = Feature::Point(1, 1, 1);
+  point.label = FeatureLabel{0, "A"};
+  EXPECT_EQ(input->features, std::vector<Feature>{point});
   EXPECT_EQ(input->options.quality, 1.2);
-  EXPECT_EQ(input->names.at(1), "A");
   const auto bad = ReadInput(folder.Write("b.dynmesh", "mesh box=0,0,4,4\nremove 2\n"));
   EXPECT_TRUE(std::string(bad.status().message()).starts_with(folder.Path("b.dynmesh") + ":2: "))
       << bad.status();

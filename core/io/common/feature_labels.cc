@@ -1,0 +1,19 @@
+#include "core/io/common/feature_labels.h"
+
+namespace dynmesh::io {
+
+void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features) {
+  if (labels.markers.empty() && labels.names.empty()) return;
+  for (Feature& f : features) f.label = {labels.MarkerOf(f.id), labels.NameOf(f.id)};
+}
+
+FeatureLabels FromLabelColumn(const LabelColumn& labels) {
+  FeatureLabels result;
+  for (const auto& [id, label] : labels) {
+    if (label.marker != 0) result.markers[id] = label.marker;
+    if (!label.name.empty()) result.names[id] = label.name;
+  }
+  return result;
+}
+
+}  // namespace dynmesh::io
