@@ -9,6 +9,12 @@ std::uint64_t Absorb(std::uint64_t hash, absl::string_view bytes) {
   return hash;
 }
 
+// Of equal weights the smaller name is first.
+bool IsBefore(absl::string_view node, std::uint64_t weight, absl::string_view other,
+              std::uint64_t other_weight) {
+  return weight > other_weight || (weight == other_weight && node < other);
+}
+
 }  // namespace
 
 std::uint64_t PlacementWeight(absl::string_view node, absl::string_view mesh) {
@@ -28,13 +34,28 @@ std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
   std::uint64_t best_weight = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::uint64_t weight = PlacementWeight(nodes[i], mesh);
-    if (!best.has_value() || weight > best_weight ||
-        (weight == best_weight && nodes[i] < nodes[*best])) {
+    if (!best.has_value() || IsBefore(nodes[i], weight, nodes[*best], best_weight)) {
       best = i;
       best_weight = weight;
     }
   }
   return best;
+}
+
+bool IsAmongNext(const std::vector<std::string>& nodes, absl::string_view owner,
+                 absl::string_view mesh, absl::string_view node, std::size_t count) {
+  const std::uint64_t weight = PlacementWeight(node, mesh);
+  bool is_there = false;
+  std::size_t before = 0;
+  for (const std::string& other : nodes) {
+    if (other == owner) continue;
+    if (other == node) {
+      is_there = true;
+    } else if (IsBefore(other, PlacementWeight(other, mesh), node, weight)) {
+      ++before;
+    }
+  }
+  return is_there && before < count;
 }
 
 }  // namespace dynmesh::server

@@ -24,6 +24,11 @@ std::uint64_t PlacementWeight(absl::string_view node, absl::string_view mesh);
 std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
                                       absl::string_view mesh);
 
+// True if `node` is one of the `count` nodes with the largest weights among `nodes` without
+// `owner`: those to which the mesh goes next. O(bytes of all names).
+bool IsAmongNext(const std::vector<std::string>& nodes, absl::string_view owner,
+                 absl::string_view mesh, absl::string_view node, std::size_t count);
+
 }  // namespace dynmesh::server
 
 #endif  // DYNMESH_SERVER_CLUSTER_PLACEMENT_H_

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/str_cat.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/row_sum.h"
 
@@ -58,6 +59,15 @@ FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner WHERE m.
 constexpr char kLocate[] = DYNMESH_PLACES "WHERE m.id = $2::text";
 constexpr char kLocateAll[] = DYNMESH_PLACES "WHERE m.id > $2::text ORDER BY m.id LIMIT $3::bigint";
 #undef DYNMESH_PLACES
+// Of two nodes with an address the one that renewed last: the other one was there before.
+constexpr char kHandOver[] = R"(
+UPDATE dynmesh.meshes AS m SET epoch = epoch + 1, owner = n.id,
+  lease_until = clock_timestamp() + $5::bigint * interval '1 microsecond'
+FROM (SELECT id FROM dynmesh.nodes WHERE address = $4::text
+    AND seen > clock_timestamp() - $5::bigint * interval '1 microsecond'
+  ORDER BY seen DESC LIMIT 1) AS n
+WHERE m.key = $1::bigint AND m.owner = $2::text AND m.epoch = $3::bigint
+RETURNING m.epoch)";
 constexpr char kGiveUp[] = R"(
 WITH gone AS (DELETE FROM dynmesh.nodes WHERE id = $1::text)
 UPDATE dynmesh.meshes SET lease_until = '-infinity' WHERE owner = $1::text)";
@@ -167,6 +177,16 @@ absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
   std::vector<SharedJournal::Place> places;
   for (std::size_t row = 0; row < answer.size(); ++row) places.push_back(PlaceOf(answer, row));
   return places;
+}
+
+absl::StatusOr<std::int64_t> HandOver(Session& session, std::int64_t mesh, const Hold& hold,
+                                      const std::string& address, absl::Duration ttl) {
+  const Answer given = session.Run(kHandOver, mesh, hold.node, hold.epoch, address,
+                                   std::int64_t{absl::ToInt64Microseconds(ttl)});
+  if (!given.status.ok()) return given.status;
+  if (!given.empty()) return given.Integer(0, 0);
+  return absl::FailedPreconditionError(absl::StrCat(
+      "no server at ", address, " renews leases, or the mesh is not this server's any more"));
 }
 
 absl::Status GiveUpLeases(Session& session, const std::string& node) {

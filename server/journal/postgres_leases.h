@@ -72,6 +72,17 @@ absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
                                                                std::size_t limit,
                                                                const std::string& node);
 
+// Where a mesh is claimed: by that node, in that epoch.
+struct Hold {
+  std::string node;
+  std::int64_t epoch = 0;
+};
+// Makes the node at `address`, which renewed within `ttl`, the owner of a mesh, if it is held as
+// `hold` says: with the next epoch, which is returned, and a lease of `ttl`. FAILED_PRECONDITION if
+// there is no such node or the mesh is not held like that.
+absl::StatusOr<std::int64_t> HandOver(Session& session, std::int64_t mesh, const Hold& hold,
+                                      const std::string& address, absl::Duration ttl);
+
 // For a drain, after the last append: other nodes may claim its meshes at once, and it does not
 // count as live. Its epochs stay, so what it still has in flight is not refused before such a
 // claim.

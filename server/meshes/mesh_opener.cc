@@ -19,11 +19,6 @@ constexpr int kMostLost = 3;
 // After the end of a lease, for the database's clock to be past it.
 constexpr absl::Duration kPast = absl::Milliseconds(2);
 
-absl::Status NotFound(absl::string_view id) {
-  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
-                   "does not exist: create it, or list those that do");
-}
-
 absl::Status TooLate(absl::string_view id) {
   return absl::DeadlineExceededError(
       absl::StrCat(MeshName(id), " was not open in time: nothing was changed"));
@@ -115,7 +110,7 @@ void MeshOpener::Step(const std::string& id) {
 
 MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, int lost) {
   const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
-  if (absl::IsNotFound(place.status())) return {NotFound(id)};
+  if (absl::IsNotFound(place.status())) return {MeshNotFoundError(id)};
   if (!place.ok()) return {JournalError(place.status(), id)};
   Found found = LookAt(id, *place, claims);
   // The next look finds the node that was granted the claim.

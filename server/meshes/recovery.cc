@@ -18,13 +18,9 @@ class Replay {
   }
 
   absl::Status Remember(const Journal::Request& request) {
-    const auto answer = codec::DecodeJournalAnswer(request.answer);
+    const auto answer = DecodeAnswer(request);
     if (!answer.ok()) return answer.status();
-    out_.past.requests->Remember(request.id, {{answer->content_a, answer->content_b},
-                                              answer->from_revision,
-                                              answer->to_revision,
-                                              answer->hash,
-                                              answer->work});
+    out_.past.requests->Remember(request.id, *answer);
     return absl::OkStatus();
   }
 
@@ -80,6 +76,7 @@ class Replay {
   // After Begin: all that was read has other bits than this program's.
   bool has_other_bits() const { return has_other_bits_; }
   std::uint32_t bits() const { return start_.bits; }
+  std::uint64_t snapshot_revision() const { return has_snapshot_ ? start_revision_ : 0; }
   const MeshLog::Sizes& sizes() const { return sizes_; }
 
  private:
@@ -119,14 +116,13 @@ class Replay {
   MeshLog::Sizes sizes_;
 };
 
-}  // namespace
-
-absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
-                                          const MeshFactory& factory,
-                                          const MeshHost::Options& options,
-                                          const std::function<void()>& applied) {
+absl::StatusOr<RecoveredMesh> Read(Journal& journal, const Journal::Mesh& found,
+                                   const MeshFactory& factory, const MeshHost::Options& options,
+                                   const std::function<void()>& applied, bool claims) {
   if (!found.damage.ok()) return found.damage;
-  if (absl::Status s = journal.Claim(found.key); !s.ok()) return s;
+  if (claims) {
+    if (absl::Status s = journal.Claim(found.key); !s.ok()) return s;
+  }
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
@@ -146,6 +142,14 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   recovered.past.log =
       std::make_unique<MeshLog>(&journal, found.key, found.id, recovered.made.options.dimension,
                                 replay.sizes(), options.compact);
+  if (!claims) {
+    if (!replay.has_other_bits()) {
+      recovered.past.follows = replay.snapshot_revision();
+      return recovered;
+    }
+    return absl::UnimplementedError(
+        absl::StrCat("the journal has the bits ", replay.bits(), ", this server ", kMeshBits));
+  }
   if (!replay.has_other_bits()) return recovered;
   if (found.loss.ok()) {
     if (absl::Status s = recovered.past.log->AppendOtherBits(*recovered.mesh); !s.ok()) return s;
@@ -156,6 +160,32 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
        {"from", replay.bits()},
        {"to", kMeshBits}});
   return recovered;
+}
+
+}  // namespace
+
+absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
+                                          const MeshFactory& factory,
+                                          const MeshHost::Options& options,
+                                          const std::function<void()>& applied) {
+  return Read(journal, found, factory, options, applied, /*claims=*/true);
+}
+
+absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& found,
+                                       const MeshFactory& factory,
+                                       const MeshHost::Options& options) {
+  return Read(
+      journal, found, factory, options, [] {}, /*claims=*/false);
+}
+
+absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request) {
+  const auto answer = codec::DecodeJournalAnswer(request.answer);
+  if (!answer.ok()) return answer.status();
+  return RequestMemory::Entry{{answer->content_a, answer->content_b},
+                              answer->from_revision,
+                              answer->to_revision,
+                              answer->hash,
+                              answer->work};
 }
 
 }  // namespace dynmesh::server

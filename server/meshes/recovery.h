@@ -33,12 +33,21 @@ struct RecoveredMesh {
   std::uint64_t entries = 0;  // applied one by one
 };
 
-// Returns an error if the data is inconsistent. `applied` is called after each snapshot and each
-// entry.
+// Returns an error if the data is inconsistent: DATA_LOSS. `applied` is called after each snapshot
+// and each entry.
 absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
                                           const MeshFactory& factory,
                                           const MeshHost::Options& options,
                                           const std::function<void()>& applied);
+
+// The same without a claim, for a server that follows the mesh: nothing is written. UNIMPLEMENTED
+// if the journal has other bits: what its owner makes differs from what this program makes.
+absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& found,
+                                       const MeshFactory& factory,
+                                       const MeshHost::Options& options);
+
+// An answer as a mesh remembers it. DATA_LOSS.
+absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request);
 
 }  // namespace dynmesh::server
 

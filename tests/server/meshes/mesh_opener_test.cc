@@ -41,6 +41,10 @@ class ScriptedJournal final : public SharedJournal {
     return std::vector<Place>();
   }
   std::int64_t EpochOf(Journal::Key) override { return 1; }
+  absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>&) override {
+    return std::vector<Tail>();
+  }
+  absl::StatusOr<std::int64_t> HandOver(Journal::Key, const std::string&) override { return 2; }
 
   absl::Duration lease_ = absl::Hours(1);
   std::vector<std::string> nodes_ = {"here:1", "there:1"};
