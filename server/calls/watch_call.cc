@@ -41,8 +41,8 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
       return call.get();
     }
     // The request lives until the call is finished.
-    context.registry->Open(
-        request.mesh(), AskingOf(*rpc),
+    context.registry->OpenToRead(
+        request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
         [call, &request, pass = *pass, rpc](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
           call->Opened(request, pass, host, rpc);
         });

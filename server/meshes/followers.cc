@@ -19,6 +19,9 @@ constexpr int kMostMismatches = 2;
 // Of a mesh that has not been read yet: nothing comes after it.
 constexpr std::uint64_t kEverything = std::numeric_limits<std::int64_t>::max();
 
+// Between looks without a mesh that is followed or may be: what is added kicks.
+constexpr std::chrono::minutes kNothing(1);
+
 using Position = SharedJournal::Position;
 using Tail = SharedJournal::Tail;
 
@@ -80,6 +83,7 @@ void Followers::Read(const std::string& id, std::uint64_t min_revision, Clock::t
     }
   }
   if (host == nullptr) return done(NotOwnerError(id));  // it ends
+  if (host->head().revision < min_revision) Kick();
   host->WhenAt(min_revision, end, [id, owner, host, done = std::move(done)](bool reached) {
     done(reached ? absl::StatusOr<HostPtr>(host) : NotOwnerError(id, owner));
   });
@@ -92,6 +96,8 @@ Followers::FollowerPtr Followers::AddLocked(const std::string& id) {
   follower->id = id;
   follower->used = follower->caught_up = Clock::now();
   by_id_[id] = follower;
+  kick_ = true;
+  kicked_.notify_one();
   pool_.Post([this, follower] { OpenOne(follower); });
   return follower;
 }
@@ -235,7 +241,7 @@ void Followers::Run() {
     DropUnused(Clock::now());
     lock.lock();
     Clock::time_point next = Clock::now() + (news ? options_.poll_after_news : options_.poll);
-    if (by_id_.empty()) next = std::max(next, options_.per_mesh > 0 ? next_scan : next);
+    if (by_id_.empty()) next = options_.per_mesh > 0 && !settled_ ? next_scan : next + kNothing;
     kicked_.wait_until(lock, next, [this] { return kick_ || stopped_; });
   }
 }
