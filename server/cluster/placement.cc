@@ -1,5 +1,8 @@
 #include "server/cluster/placement.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace dynmesh::server {
 namespace {
 
@@ -42,20 +45,20 @@ std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
   return best;
 }
 
-bool IsAmongNext(const std::vector<std::string>& nodes, absl::string_view owner,
-                 absl::string_view mesh, absl::string_view node, std::size_t count) {
-  const std::uint64_t weight = PlacementWeight(node, mesh);
-  bool is_there = false;
-  std::size_t before = 0;
-  for (const std::string& other : nodes) {
-    if (other == owner) continue;
-    if (other == node) {
-      is_there = true;
-    } else if (IsBefore(other, PlacementWeight(other, mesh), node, weight)) {
-      ++before;
-    }
+std::vector<std::string> NextNodes(const std::vector<std::string>& nodes, absl::string_view owner,
+                                   absl::string_view mesh, std::size_t count) {
+  std::vector<std::pair<std::uint64_t, const std::string*>> weighed;
+  for (const std::string& node : nodes) {
+    if (node != owner) weighed.emplace_back(PlacementWeight(node, mesh), &node);
   }
-  return is_there && before < count;
+  count = std::min(count, weighed.size());
+  std::partial_sort(weighed.begin(), weighed.begin() + static_cast<std::ptrdiff_t>(count),
+                    weighed.end(), [](const auto& a, const auto& b) {
+                      return IsBefore(*a.second, a.first, *b.second, b.first);
+                    });
+  std::vector<std::string> next;
+  for (std::size_t i = 0; i < count; ++i) next.push_back(*weighed[i].second);
+  return next;
 }
 
 }  // namespace dynmesh::server

@@ -77,6 +77,9 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
                                                std::size_t limit) override;
   std::int64_t EpochOf(Key mesh) override;
   absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>& positions) override;
+  absl::Status AskToFollow(const std::vector<Wish>& wishes) override;
+  absl::StatusOr<std::vector<std::string>> AskedToFollow() override;
+  absl::Status SetFollows(Key mesh, bool follows) override;
   absl::StatusOr<std::int64_t> HandOver(Key mesh, const std::string& address) override;
 
   // Meshes from other journals (postgres_import.cc).

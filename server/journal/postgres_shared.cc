@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
 absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& id) {
   absl::StatusOr<SessionLease> session = readers_.Take();
   if (!session.ok()) return session.status();
-  return postgres::LocateMesh(**session, id, owner_);
+  return postgres::LocateMesh(**session, id, owner_, options_.lease);
 }
 
 absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
@@ -62,6 +62,24 @@ absl::StatusOr<std::vector<SharedJournal::Tail>> PostgresJournal::ReadTails(
   absl::StatusOr<SessionLease> session = follower_.Take();
   if (!session.ok()) return session.status();
   return postgres::ReadTails(**session, positions, owner_, kTailBytes);
+}
+
+absl::Status PostgresJournal::AskToFollow(const std::vector<Wish>& wishes) {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::AskToFollow(**session, wishes, options_.lease);
+}
+
+absl::StatusOr<std::vector<std::string>> PostgresJournal::AskedToFollow() {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::AskedToFollow(**session, owner_);
+}
+
+absl::Status PostgresJournal::SetFollows(Key mesh, bool follows) {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::SetFollows(**session, mesh, owner_, follows);
 }
 
 absl::StatusOr<std::int64_t> PostgresJournal::HandOver(Key mesh, const std::string& address) {

@@ -28,6 +28,8 @@ class SharedJournal {
     std::string address;   // of the owner, for clients; empty: not known
     std::int64_t epoch = 0;
     absl::Duration left;  // until the lease ends; at most 0: any node may claim it
+    // Of Locate only: the addresses of the live nodes that follow it, in order.
+    std::vector<std::string> followers;
   };
   // Where a follower of a mesh is: it has all up to here.
   struct Position {
@@ -74,6 +76,17 @@ class SharedJournal {
   // What came after the positions, of different meshes, by key. Needs no claim. At one time as
   // many entries as fit into some megabytes a mesh, or one.
   virtual absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>& positions) = 0;
+  // The nodes at these addresses, and no others, are to follow a mesh that this node has.
+  struct Wish {
+    Journal::Key mesh = 0;
+    std::vector<std::string> addresses;
+  };
+  // Asks the nodes that are live. Safe to repeat: what was asked before costs no write.
+  virtual absl::Status AskToFollow(const std::vector<Wish>& wishes) = 0;
+  // The ids of the meshes that this node is asked to follow.
+  virtual absl::StatusOr<std::vector<std::string>> AskedToFollow() = 0;
+  // Says that this node follows the mesh, or does not any more. Safe to repeat.
+  virtual absl::Status SetFollows(Journal::Key mesh, bool follows) = 0;
   // Makes the node at `address` the owner of this node's mesh, with the next epoch, which is
   // returned, and a lease. To be called after the last append. FAILED_PRECONDITION: there is no
   // such node, or the mesh is not this node's any more.

@@ -142,6 +142,7 @@ void Followers::OpenOne(const FollowerPtr& follower) {
     absl::StatusOr<HostPtr> made = before.ok() ? calls_.make(follower->mesh) : before.status();
     if (made.ok()) {
       host = *std::move(made);
+      journal_->SetFollows(key, true).IgnoreError();  // a hint for others
       position = {key, host->head().revision, before->empty() ? 0 : before->front().answers};
       Log(LogLevel::kInfo, "follows",
           {{"mesh", follower->id},
@@ -195,7 +196,10 @@ void Followers::Drop(const FollowerPtr& follower, const absl::Status& status) {
   idle_.notify_all();
   if (host != nullptr) host->Close(status);
   for (const Waiter& waiter : waiters) waiter.done(status);
-  pool_.Post([host] {});  // a large mesh takes long to free
+  // A large mesh takes long to free.
+  pool_.Post([this, host, key = follower->mesh.key] {
+    if (key != 0) journal_->SetFollows(key, false).IgnoreError();
+  });
 }
 
 void Followers::Distrust(const FollowerPtr& follower, const absl::Status& status) {
@@ -226,22 +230,23 @@ void Followers::Distrust(const FollowerPtr& follower, const absl::Status& status
 // ------------------------------------------------------------------ the journal's news
 
 void Followers::Run() {
-  Clock::time_point next_scan = Clock::now();
+  Clock::time_point next_look = Clock::now();
   std::unique_lock lock(mutex_);
   while (!stopped_) {
     kick_ = false;
-    const bool scans = options_.per_mesh > 0 && !settled_ && Clock::now() >= next_scan;
+    const bool looks = options_.per_mesh > 0 && !settled_ && Clock::now() >= next_look;
     lock.unlock();
-    if (scans) {
-      Scan();
-      next_scan = Clock::now() + options_.scan;
+    if (looks) {
+      Ask();
+      TakeWishes();
+      next_look = Clock::now() + options_.ask;
     }
     const bool news = Poll();
     Expire();
     DropUnused(Clock::now());
     lock.lock();
     Clock::time_point next = Clock::now() + (news ? options_.poll_after_news : options_.poll);
-    if (by_id_.empty()) next = options_.per_mesh > 0 && !settled_ ? next_scan : next + kNothing;
+    if (by_id_.empty()) next = options_.per_mesh > 0 && !settled_ ? next_look : next + kNothing;
     kicked_.wait_until(lock, next, [this] { return kick_ || stopped_; });
   }
 }
@@ -317,8 +322,9 @@ void Followers::Applied(const FollowerPtr& follower, const Position& reached,
     {
       const std::lock_guard lock(mutex_);
       follower->position = reached;
-      follower->used = Clock::now();
-      if (follower->head <= reached.revision) follower->caught_up = follower->used;
+      const Clock::time_point now = Clock::now();
+      if (follower->wanted) follower->used = now;
+      if (follower->head <= reached.revision) follower->caught_up = now;
       follower->busy = false;
       // Behind still: at once.
       if (follower->head > reached.revision) kick_ = true;
@@ -396,6 +402,7 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
       by_id_.erase(follower->id);
       follower->host->Lead();
       if (metrics_ != nullptr) metrics_->takeovers.Add();
+      pool_.Post([this, key = mesh.key] { journal_->SetFollows(key, false).IgnoreError(); });
       return follower->host;
     }
     status = Apply(follower->host, tail);

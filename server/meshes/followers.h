@@ -10,10 +10,14 @@
 // program, which will differ again. After a second mismatch the mesh is not followed until the
 // process starts again. The journal is right: the mesh's owner is not touched.
 //
-// A mesh is followed if it is *in use*, that is if its journal has grown within the idle time, and
-// placement makes this node one of the first after the owner; or because a read asks for it. It is
-// not followed any more after the idle time without a new revision, a read or a watch. At most
-// `max_meshes` are followed.
+// A mesh is followed because its owner asks for it, or because a read does. Each node asks for
+// followers of its own meshes that are *in use*, that is of which a new revision came within the
+// idle time: those nodes that placement gives them next. It is not followed any more after the idle
+// time without a read, a watch or, if its owner asks for it, a new revision. At most `max_meshes`
+// are followed.
+//
+// The journal knows which nodes follow a mesh: a drain hands it to one of them, free meshes are
+// left to them.
 //
 // A mesh whose lease has ended, or that its owner has handed over, is told to `take_over`. Blocking
 // work has threads of its own. Thread-safe.
@@ -52,7 +56,13 @@ class Followers {
     Clock::duration idle = std::chrono::minutes(10);
     Clock::duration poll = std::chrono::milliseconds(50);
     Clock::duration poll_after_news = std::chrono::milliseconds(10);
-    Clock::duration scan = std::chrono::seconds(1);  // between looks at all meshes
+    Clock::duration ask = std::chrono::seconds(1);  // between looks at who asks for what
+  };
+  // A mesh of this node.
+  struct Owned {
+    Journal::Key key = 0;
+    std::string id;
+    std::uint64_t revision = 0;
   };
   struct Calls {
     // Reads the mesh from the journal, without a claim, and makes its host. UNIMPLEMENTED if the
@@ -61,6 +71,7 @@ class Followers {
     // The followed mesh is free, or this node's: it may be taken over. `done` is called when that
     // has been tried.
     std::function<void(const std::string& id, std::function<void()> done)> take_over;
+    std::function<std::vector<Owned>()> owned;
     // Not OK: nothing more is to be followed now.
     std::function<absl::Status()> check_room;
   };
@@ -111,18 +122,18 @@ class Followers {
     SharedJournal::Position position;
     bool busy = true;  // opened, applied to or taken over: nothing is read for it
     bool taking = false;
-    bool wanted = false;  // by placement
+    bool wanted = false;  // by its owner
     std::uint64_t head = 0;
     Clock::time_point caught_up, used;
     MeshOwner owner;
     std::vector<Waiter> waiters;  // for the host
   };
   using FollowerPtr = std::shared_ptr<Follower>;
-  // A mesh as the scan saw it.
+  // A mesh of this node, as it was seen last.
   struct Seen {
     std::uint64_t revision = 0;
-    Clock::time_point used;  // when it was seen to change
-    std::uint64_t scan = 0;
+    Clock::time_point changed;
+    std::uint64_t look = 0;
   };
 
   // For callbacks on strands, which may run when the followers are gone.
@@ -141,8 +152,11 @@ class Followers {
   void Applied(const FollowerPtr& follower, const SharedJournal::Position& reached,
                const absl::Status& status);
   void Expire();
-  void Scan();
-  bool IsInUse(const SharedJournal::Place& place);
+  // Asks for followers of this node's meshes.
+  void Ask();
+  bool IsInUse(const Owned& mesh);
+  // Follows what this node is asked for.
+  void TakeWishes();
   void DropUnused(Clock::time_point now);
 
   void OpenOne(const FollowerPtr& follower);
@@ -171,7 +185,7 @@ class Followers {
 
   // Of the thread.
   std::map<Journal::Key, Seen> seen_;
-  std::uint64_t scans_ = 0;
+  std::uint64_t looks_ = 0;
   bool failing_ = false;
 
   const std::shared_ptr<Life> life_ = std::make_shared<Life>();

@@ -50,6 +50,15 @@ void MeshRegistry::StartFollowers() {
   calls.take_over = [this](const std::string& id, std::function<void()> done) {
     opener_->Open(id, {}, [done = std::move(done)](const absl::StatusOr<HostPtr>&) { done(); });
   };
+  calls.owned = [this] {
+    std::vector<Followers::Owned> owned;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, held] : hosts_) {
+      if (held.host == nullptr || held.host->disowned()) continue;
+      owned.push_back({held.key, id, held.host->head().revision});
+    }
+    return owned;
+  };
   calls.check_room = [this] {
     return memory_ == nullptr ? absl::OkStatus() : memory_->CheckRoom();
   };
@@ -176,9 +185,16 @@ void MeshRegistry::HandOver(absl::Duration limit) {
   const auto left = std::make_shared<Left>();
   left->meshes = meshes.size();
   for (const auto& [host, key] : meshes) {
-    const std::string next = (*nodes)[*ChooseNode(*nodes, host->id())];
+    const std::string& id = host->id();
     host->HandOver(
-        [journal = shared_, key = key, next]() -> absl::StatusOr<MeshOwner> {
+        [journal = shared_, address = address_, id, key = key,
+         nodes = *nodes]() -> absl::StatusOr<MeshOwner> {
+          absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
+          if (!place.ok()) return place.status();
+          std::erase(place->followers, address);
+          const std::vector<std::string>& choice =
+              place->followers.empty() ? nodes : place->followers;
+          const std::string& next = choice[*ChooseNode(choice, id)];
           const absl::StatusOr<std::int64_t> epoch = journal->HandOver(key, next);
           if (!epoch.ok()) return epoch.status();
           return MeshOwner{next, *epoch};

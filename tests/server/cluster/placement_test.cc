@@ -106,26 +106,20 @@ TEST(Placement, TheNextNodesAreThoseOfTheLargestWeightsWithoutTheOwner) {
   for (int m = 0; m < 100; ++m) {
     const std::string mesh = "m" + std::to_string(m);
     for (const std::string& owner : nodes) {
-      std::vector<std::string> left;
-      for (const std::string& node : nodes) {
-        if (node != owner) left.push_back(node);
-      }
-      EXPECT_FALSE(IsAmongNext(nodes, owner, mesh, owner, 3));
-      for (std::size_t count = 0; count <= left.size() + 1; ++count) {
+      std::vector<std::string> rest = nodes, next;
+      std::erase(rest, owner);
+      EXPECT_EQ(NextNodes(nodes, owner, mesh, 0), next);
+      for (std::size_t count = 1; count <= 3; ++count) {
         // The first of what is left, again and again.
-        std::vector<std::string> rest = left, first;
-        for (std::size_t i = 0; i < count && !rest.empty(); ++i) {
-          const std::size_t best = *ChooseNode(rest, mesh);
-          first.push_back(rest[best]);
-          rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
-        }
-        for (const std::string& node : left) {
-          const bool is_first = std::find(first.begin(), first.end(), node) != first.end();
-          EXPECT_EQ(IsAmongNext(nodes, owner, mesh, node, count), is_first);
-        }
+        const std::size_t best = *ChooseNode(rest, mesh);
+        next.push_back(rest[best]);
+        rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
+        EXPECT_EQ(NextNodes(nodes, owner, mesh, count), next);
       }
+      EXPECT_EQ(NextNodes(nodes, owner, mesh, 9), next);
     }
-    EXPECT_FALSE(IsAmongNext(nodes, "", mesh, "e:1", 4)) << "it is not there";
+    EXPECT_EQ(NextNodes(nodes, "", mesh, 9).size(), 4u);
+    EXPECT_TRUE(NextNodes({"a:1"}, "a:1", mesh, 1).empty());
   }
 }
 

@@ -167,5 +167,66 @@ TEST_F(PostgresTailsTest, AMeshIsHandedOverToANodeThatRenewsAndByItsOwnerOnly) {
   EXPECT_FALSE(b_->Locate("m")->is_mine);
 }
 
+TEST_F(PostgresTailsTest, NodesThatFollowAMeshAreToldWhileTheyAreLive) {
+  using Addresses = std::vector<std::string>;
+  const JournalPtr c = OpenNode();
+  ASSERT_TRUE(c->Renew("host-c:1").ok());
+  EXPECT_EQ(a_->Locate("m")->followers, Addresses{});
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(c->SetFollows(m_, true).ok());
+    ASSERT_TRUE(b_->SetFollows(m_, true).ok());
+    EXPECT_EQ(a_->Locate("m")->followers, (Addresses{"host-b:1", "host-c:1"}));
+  }
+  ASSERT_TRUE(c->SetFollows(m_, false).ok());
+  EXPECT_EQ(a_->Locate("m")->followers, Addresses{"host-b:1"});
+  Sql("UPDATE dynmesh.nodes SET seen = seen - interval '2 hours' WHERE address = 'host-b:1'");
+  EXPECT_EQ(a_->Locate("m")->followers, Addresses{});
+  ASSERT_TRUE(b_->Renew("host-b:1").ok());
+  EXPECT_EQ(a_->Locate("m")->followers, Addresses{"host-b:1"});
+  ASSERT_TRUE(b_->GiveUp().ok());
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers"), "0");
+  // Those of a node that is forgotten are forgotten, too.
+  ASSERT_TRUE(c->SetFollows(m_, true).ok());
+  Sql("UPDATE dynmesh.nodes SET seen = seen - interval '25 hours' WHERE address = 'host-c:1'");
+  ASSERT_TRUE(a_->Renew("host-a:1").ok());
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers"), "0");
+}
+
+TEST_F(PostgresTailsTest, AnOwnerAsksNodesToFollow) {
+  using Ids = std::vector<std::string>;
+  const JournalPtr c = OpenNode();
+  ASSERT_TRUE(c->Renew("host-c:1").ok());
+  const Journal::Key n = *a_->Create("n", "");
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(a_->AskToFollow({{m_, {"host-b:1", "host-c:1"}}, {n, {"host-b:1"}}}).ok());
+    EXPECT_EQ(*b_->AskedToFollow(), (Ids{"m", "n"}));
+    EXPECT_EQ(*c->AskedToFollow(), Ids{"m"});
+    EXPECT_EQ(*a_->AskedToFollow(), Ids{});
+  }
+  EXPECT_EQ(a_->Locate("m")->followers, Ids{}) << "none of them does yet";
+  ASSERT_TRUE(b_->SetFollows(m_, true).ok());
+  EXPECT_EQ(a_->Locate("m")->followers, Ids{"host-b:1"});
+  EXPECT_EQ(*b_->AskedToFollow(), (Ids{"m", "n"}));
+  // Others are asked, and nothing is asked for the other mesh.
+  ASSERT_TRUE(a_->AskToFollow({{m_, {"host-c:1"}}}).ok());
+  EXPECT_EQ(*b_->AskedToFollow(), Ids{"n"});
+  EXPECT_EQ(*c->AskedToFollow(), Ids{"m"});
+  EXPECT_EQ(a_->Locate("m")->followers, Ids{"host-b:1"}) << "it still follows";
+  ASSERT_TRUE(a_->AskToFollow({{m_, {"host-b:1"}}}).ok());
+  EXPECT_EQ(a_->Locate("m")->followers, Ids{"host-b:1"});
+  ASSERT_TRUE(b_->SetFollows(m_, false).ok());
+  EXPECT_EQ(*b_->AskedToFollow(), Ids{"n"});
+  // Not what it has itself, nor what was deleted.
+  ASSERT_TRUE(a_->AskToFollow({{m_, {"host-b:1"}}}).ok());
+  ASSERT_TRUE(a_->HandOver(m_, "host-b:1").ok());
+  EXPECT_EQ(*b_->AskedToFollow(), Ids{"n"});
+  ASSERT_TRUE(a_->Delete(n).ok());
+  EXPECT_EQ(*b_->AskedToFollow(), Ids{});
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers WHERE mesh <> " + absl::StrCat(m_)), "0");
+  ASSERT_TRUE(a_->AskToFollow({{m_, {"host-x:1"}}}).ok()) << "there is no such node";
+  ASSERT_TRUE(a_->AskToFollow({{m_, {}}}).ok());
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers WHERE asked"), "0");
+}
+
 }  // namespace
 }  // namespace dynmesh::server

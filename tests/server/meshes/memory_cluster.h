@@ -4,11 +4,13 @@
 #ifndef DYNMESH_TESTS_SERVER_MESHES_MEMORY_CLUSTER_H_
 #define DYNMESH_TESTS_SERVER_MESHES_MEMORY_CLUSTER_H_
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +34,7 @@ class MemoryCluster {
     std::vector<Journal::Request> requests;
     std::uint64_t snapshot = 0;
     std::vector<std::string> parts;
+    std::set<std::string> followers, asked;
   };
 
   // Changes a mesh, or looks at it.
@@ -166,7 +169,9 @@ class MemoryCluster {
       const std::lock_guard lock(cluster_.mutex_);
       const auto it = cluster_.meshes_.find(id);
       if (it == cluster_.meshes_.end()) return NoSuchMesh();
-      return PlaceOf(it->second);
+      Place place = PlaceOf(it->second);
+      place.followers.assign(it->second.followers.begin(), it->second.followers.end());
+      return place;
     }
     absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
                                                  std::size_t limit) override {
@@ -188,6 +193,32 @@ class MemoryCluster {
       std::vector<Tail> tails;
       for (const Position& position : positions) tails.push_back(TailOf(position));
       return tails;
+    }
+    absl::Status AskToFollow(const std::vector<Wish>& wishes) override {
+      const std::lock_guard lock(cluster_.mutex_);
+      for (const Wish& wish : wishes) {
+        MemoryCluster::Mesh* const mesh = cluster_.Find(wish.mesh);
+        if (mesh != nullptr) mesh->asked = {wish.addresses.begin(), wish.addresses.end()};
+      }
+      return absl::OkStatus();
+    }
+    absl::StatusOr<std::vector<std::string>> AskedToFollow() override {
+      const std::lock_guard lock(cluster_.mutex_);
+      std::vector<std::string> ids;
+      for (const auto& [id, mesh] : cluster_.meshes_) {
+        if (mesh.asked.contains(address_) && mesh.owner != address_) ids.push_back(id);
+      }
+      return ids;
+    }
+    absl::Status SetFollows(Key key, bool follows) override {
+      const std::lock_guard lock(cluster_.mutex_);
+      MemoryCluster::Mesh* const mesh = cluster_.Find(key);
+      if (mesh != nullptr && follows) mesh->followers.insert(address_);
+      if (mesh != nullptr && !follows) {
+        mesh->followers.erase(address_);
+        mesh->asked.erase(address_);
+      }
+      return absl::OkStatus();
     }
     absl::StatusOr<std::int64_t> HandOver(Key key, const std::string& address) override {
       const std::lock_guard lock(cluster_.mutex_);
