@@ -78,30 +78,39 @@ constexpr char
 constexpr char kLocateAll[] =
     DYNMESH_PLACES("''::bytea ") "WHERE m.id > $2::text ORDER BY m.id LIMIT $3::bigint";
 #undef DYNMESH_PLACES
+// True. What is said of followers is a hint, which is said again when it is lost: such a commit
+// waits for no disk and no standby. The setting ends with the transaction.
+#define DYNMESH_QUICK "(SELECT set_config('synchronous_commit', 'off', true)) = 'off'"
 // Parameters: 1 and 2 mesh and address of each wish, 3 all meshes, 4 ttl. No address has a comma.
-constexpr char kAsk[] = R"(
-WITH wish AS (
-  SELECT w.mesh, n.id AS node
-  FROM unnest($1::bigint[], string_to_array($2::text, ',')) AS w(mesh, address)
-  JOIN dynmesh.nodes AS n ON n.address = w.address
-    AND n.seen > clock_timestamp() - $4::bigint * interval '1 microsecond'),
-others AS (
-  UPDATE dynmesh.followers AS f SET asked = false WHERE f.mesh = ANY($3::bigint[]) AND f.asked
-    AND NOT EXISTS(SELECT 1 FROM wish WHERE wish.mesh = f.mesh AND wish.node = f.node))
-INSERT INTO dynmesh.followers AS f(mesh, node, asked, is_warm)
-SELECT mesh, node, true, false FROM wish
-ON CONFLICT (mesh, node) DO UPDATE SET asked = true WHERE NOT f.asked)";
-constexpr char kAsked[] = R"(
-WITH gone AS (
-  DELETE FROM dynmesh.followers AS f WHERE f.node = $1::text
-    AND NOT EXISTS(SELECT 1 FROM dynmesh.meshes AS m WHERE m.key = f.mesh))
-SELECT convert_to(m.id, 'UTF8') FROM dynmesh.followers AS f JOIN dynmesh.meshes AS m
-  ON m.key = f.mesh WHERE f.node = $1::text AND f.asked AND m.owner <> $1::text ORDER BY m.id)";
-constexpr char kFollow[] = R"(
-INSERT INTO dynmesh.followers(mesh, node, asked, is_warm) VALUES($1::bigint, $2::text, false, true)
-ON CONFLICT (mesh, node) DO UPDATE SET is_warm = true)";
+// Without a change no row is locked, and nothing is written.
+constexpr char kAsk[] =
+    "WITH wish AS ("
+    "  SELECT w.mesh, n.id AS node"
+    "  FROM unnest($1::bigint[], string_to_array($2::text, ',')) AS w(mesh, address)"
+    "  JOIN dynmesh.nodes AS n ON n.address = w.address"
+    "    AND n.seen > clock_timestamp() - $4::bigint * interval '1 microsecond'), "
+    "others AS ("
+    "  UPDATE dynmesh.followers AS f SET asked = false WHERE f.mesh = ANY($3::bigint[]) AND f.asked"
+    "  AND NOT EXISTS(SELECT 1 FROM wish WHERE wish.mesh = f.mesh AND wish.node = f.node)"
+    "  AND " DYNMESH_QUICK
+    ") INSERT INTO dynmesh.followers AS f(mesh, node, asked, is_warm) "
+    "SELECT mesh, node, true, false FROM wish "
+    "WHERE NOT EXISTS(SELECT 1 FROM dynmesh.followers AS a"
+    "  WHERE a.mesh = wish.mesh AND a.node = wish.node AND a.asked) AND " DYNMESH_QUICK
+    " ON CONFLICT (mesh, node) DO UPDATE SET asked = true";
+constexpr char kAsked[] =
+    "WITH gone AS ("
+    "  DELETE FROM dynmesh.followers AS f WHERE f.node = $1::text"
+    "  AND NOT EXISTS(SELECT 1 FROM dynmesh.meshes AS m WHERE m.key = f.mesh) AND " DYNMESH_QUICK
+    ") SELECT convert_to(m.id, 'UTF8') FROM dynmesh.followers AS f JOIN dynmesh.meshes AS m "
+    "ON m.key = f.mesh WHERE f.node = $1::text AND f.asked AND m.owner <> $1::text ORDER BY m.id";
+constexpr char kFollow[] =
+    "INSERT INTO dynmesh.followers(mesh, node, asked, is_warm) "
+    "SELECT $1::bigint, $2::text, false, true WHERE " DYNMESH_QUICK
+    " ON CONFLICT (mesh, node) DO UPDATE SET is_warm = true";
 constexpr char kUnfollow[] =
-    "DELETE FROM dynmesh.followers WHERE mesh = $1::bigint AND node = $2::text";
+    "DELETE FROM dynmesh.followers WHERE mesh = $1::bigint AND node = $2::text AND " DYNMESH_QUICK;
+#undef DYNMESH_QUICK
 // Of two nodes with an address the one that renewed last: the other one was there before.
 constexpr char kHandOver[] = R"(
 UPDATE dynmesh.meshes AS m SET epoch = epoch + 1, owner = n.id,

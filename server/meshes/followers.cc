@@ -169,6 +169,7 @@ void Followers::OpenOne(const FollowerPtr& follower) {
     }
   }
   if (!is_there && host != nullptr) {
+    journal_->SetFollows(follower->mesh.key, false).IgnoreError();
     host->Close(NotOwnerError(follower->id));
     host = nullptr;
     status = NotOwnerError(follower->id);

@@ -56,7 +56,7 @@ class Followers {
     Clock::duration idle = std::chrono::minutes(10);
     Clock::duration poll = std::chrono::milliseconds(50);
     Clock::duration poll_after_news = std::chrono::milliseconds(10);
-    Clock::duration ask = std::chrono::seconds(1);  // between looks at who asks for what
+    Clock::duration ask = std::chrono::seconds(1);  // between exchanges of wishes
   };
   // A mesh of this node.
   struct Owned {

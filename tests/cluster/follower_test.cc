@@ -324,5 +324,55 @@ TEST_F(KilledOwnerTest, AFollowerTakesTheMeshOverAndItsWatchesGoOn) {
   Judge(writer);
 }
 
+// DYNMESH_CLUSTER_POINTS: of the mesh; default: few. DYNMESH_CLUSTER_FOLLOWERS=0: without
+// followers. The time is printed, not judged.
+TEST_F(KilledOwnerTest, ALoadedMeshIsWrittenAgainWhenItsLeaseHasEnded) {
+  int points = 300;
+  if (const char* const given = std::getenv("DYNMESH_CLUSTER_POINTS")) {
+    ASSERT_TRUE(absl::SimpleAtoi(given, &points));
+  }
+  const char* const given = std::getenv("DYNMESH_CLUSTER_FOLLOWERS");
+  const bool follows = given == nullptr || std::string(given) != "0";
+  more_.insert(more_.end(), {"--followers", follows ? "1" : "0"});
+  StartNodes(3, more_);
+  ASSERT_FALSE(HasFatalFailure());
+  const auto client = Connect();
+  ASSERT_TRUE(client->CreateMesh("m", MeshOptions()).ok());
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> place(0.01, 0.99);
+  std::vector<Feature> features;
+  for (int id = 1; id <= points; ++id) {
+    features.push_back(Feature::Point(static_cast<FeatureId>(id), place(random), place(random)));
+  }
+  const auto loaded = client->Load("m", features);
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  if (follows) {
+    const Node& next = At(FollowersOf("m").front());
+    WaitUntil("the load at the follower",
+              [&] { return Figure(next, "dynmesh_follower_revision{mesh=\"m\"}") == "1"; });
+  }
+  Node& owner = At(OwnerOf("m"));
+  std::int64_t left = 0;
+  ASSERT_TRUE(absl::SimpleAtoi(
+      Sql("SELECT (1000 * extract(epoch FROM lease_until - clock_timestamp()))::bigint FROM "
+          "dynmesh.meshes"),
+      &left));
+  owner.daemon.End(SIGKILL);
+  const Clock::time_point killed = Clock::now();
+  client::EditParams params;
+  params.request_id = "again";
+  const EditBatch batch = {Edit::Add(Feature::Point(9'000'000, 0.123, 0.321))};
+  absl::StatusOr<client::EditResult> applied;
+  WaitUntil("an edit", [&] {
+    applied = client->Apply("m", batch, params);
+    return applied.ok() || !absl::IsUnavailable(applied.status());
+  });
+  ASSERT_TRUE(applied.ok()) << applied.status();
+  EXPECT_EQ(applied->diff.to_revision, 2u);
+  std::printf("{\"points\": %d, \"followers\": %d, \"seconds\": %.3f, \"lease_left\": %.3f}\n",
+              points, follows ? 1 : 0, std::chrono::duration<double>(Clock::now() - killed).count(),
+              0.001 * static_cast<double>(left));
+}
+
 }  // namespace
 }  // namespace dynmesh::test

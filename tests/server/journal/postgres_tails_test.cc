@@ -1,13 +1,16 @@
 // What followers of meshes read, and meshes that are handed over.
 #include <gtest/gtest.h>
 
+#include <future>
 #include <limits>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/postgres_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -226,6 +229,32 @@ TEST_F(PostgresTailsTest, AnOwnerAsksNodesToFollow) {
   ASSERT_TRUE(a_->AskToFollow({{m_, {"host-x:1"}}}).ok()) << "there is no such node";
   ASSERT_TRUE(a_->AskToFollow({{m_, {}}}).ok());
   EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers WHERE asked"), "0");
+}
+
+// With a standby that does not exist no other commit ends.
+TEST_F(PostgresTailsTest, WhatIsSaidOfFollowersWaitsForNoStandby) {
+  const auto set = [this](const std::string& standby) {
+    Sql("ALTER SYSTEM SET synchronous_standby_names = '" + standby + "'");
+    Sql("SELECT pg_reload_conf()");
+    test::WaitUntil("the setting",
+                    [&] { return Sql("SHOW synchronous_standby_names") == standby; });
+  };
+  set("none");
+  std::promise<absl::Status> done;
+  std::thread caller([&] {
+    absl::Status status = b_->SetFollows(m_, true);
+    status.Update(a_->AskToFollow({{m_, {"host-b:1"}}}));
+    status.Update(a_->AskToFollow({{m_, {}}}));
+    status.Update(b_->AskedToFollow().status());
+    status.Update(b_->SetFollows(m_, false));
+    done.set_value(status);
+  });
+  std::future<absl::Status> end = done.get_future();
+  const bool ended = end.wait_for(test::kPatience) == std::future_status::ready;
+  set("");
+  caller.join();
+  EXPECT_TRUE(ended);
+  EXPECT_EQ(end.get(), absl::OkStatus());
 }
 
 }  // namespace
