@@ -69,6 +69,8 @@ std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
 }
 
 MeshRegistry::~MeshRegistry() {
+  ends_ = true;
+  past_pool_.Stop();
   if (opener_ != nullptr) {
     followers_->Stop();
     opener_.reset();                  // it loads into this
@@ -351,6 +353,7 @@ void MeshRegistry::CloseAll(const absl::Status& status) {
 }
 
 void MeshRegistry::CloseWatches(const absl::Status& status) {
+  ends_ = true;  // for watches that begin in the past
   for (const HostPtr& host : Hosts()) host->hub()->Close(status);
   if (followers_ != nullptr) followers_->CloseWatches(status);
 }

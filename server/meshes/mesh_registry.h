@@ -95,6 +95,15 @@ class MeshRegistry {
   // OK if a state of the mesh that has been read may be answered as the present one; UNAVAILABLE
   // (NOT_OWNER) if another server may have changed it meanwhile.
   absl::Status CheckRead(absl::string_view id) const;
+  // The diffs of a mesh here from `start`, which has a revision, on to the present one, made again
+  // from the journal; at least one. `done` is called once, by this thread or one for such work,
+  // which makes one past at a time. OUT_OF_RANGE: DIVERGED; without a reason if the journal does
+  // not go back as far, if they are more than the mesh itself would hold, or if they take too long.
+  // CANCELLED soon after `cancelled` turned true; RESOURCE_EXHAUSTED if too many wait.
+  using Past = std::vector<RevisionStore::DiffPtr>;
+  void MakePast(const HostPtr& host, const WatchHub::Start& start,
+                std::shared_ptr<const std::atomic<bool>> cancelled,
+                std::function<void(absl::StatusOr<Past>)> done);
   // Waits for the journal. The journal frees the mesh's bytes later.
   absl::Status Delete(absl::string_view name, const Origin& origin = {});
 
@@ -151,6 +160,8 @@ class MeshRegistry {
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
+  absl::StatusOr<Past> PastOf(const MeshHost& host, const WatchHub::Start& start,
+                              const std::atomic<bool>& cancelled) const;
   static absl::Status DamageOf(absl::string_view id, const absl::Status& status);
   std::string FreshId(const std::string& request_id);
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
@@ -190,6 +201,10 @@ class MeshRegistry {
   const std::shared_ptr<std::atomic<bool>> sweeps_ended_ =
       std::make_shared<std::atomic<bool>>(false);
   std::mt19937_64 random_{std::random_device{}()};
+
+  std::atomic<int> pasts_{0};  // wait or are made
+  std::atomic<bool> ends_{false};
+  WorkerPool past_pool_{1, WorkerPool::Priority::kBackground};
 
   // Set by Join.
   SharedJournal* shared_ = nullptr;

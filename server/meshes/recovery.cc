@@ -16,6 +16,8 @@ class Replay {
       : out_(out), options_(options), applied_(applied), dimension_(out.made.options.dimension) {
     out_.past.requests.emplace(options.remembered_requests);
   }
+  // Gives up when it returns true.
+  void StopIf(const std::function<bool()>& interrupted) { apply_.interrupted = interrupted; }
 
   absl::Status Remember(const Journal::Request& request) {
     const auto answer = DecodeAnswer(request);
@@ -37,7 +39,7 @@ class Replay {
     if (start_revision_ == 0) start_.bits = batch->bits;
     if (!has_begun() && start_.bits != kMeshBits) return Gather(entry, *batch);
     if (absl::Status s = Begin(); !s.ok()) return s;
-    absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits);
+    absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits, apply_);
     if (!diff.ok()) return At(entry.revision, diff.status());
     if (diff->hash != batch->hash) return OtherHash(entry.revision, batch->hash);
     sizes_.Add(entry.revision, entry.data.size(), diff->work);
@@ -56,7 +58,7 @@ class Replay {
     if (has_begun()) return absl::OkStatus();
     if (start_revision_ > 0) {
       if (gathered_.size() > 0) start_.edits = mesh_data::EditsBetween({}, gathered_.Sorted());
-      if (absl::Status s = out_.mesh->Apply(start_.edits).status(); !s.ok()) {
+      if (absl::Status s = out_.mesh->Apply(start_.edits, apply_).status(); !s.ok()) {
         return At(start_revision_, s);
       }
       has_other_bits_ = start_.bits != kMeshBits;
@@ -95,6 +97,7 @@ class Replay {
     return absl::OkStatus();
   }
   static absl::Status At(std::uint64_t revision, const absl::Status& status) {
+    if (absl::IsCancelled(status)) return status;
     return absl::DataLossError(absl::StrCat(
         "revision ", revision, " cannot be recovered from the journal: ", status.message()));
   }
@@ -107,6 +110,7 @@ class Replay {
   const MeshHost::Options& options_;
   const std::function<void()>& applied_;
   const int dimension_;
+  ApplyOptions apply_;
   // Made in one batch: the snapshot and the gathered entries.
   std::uint64_t start_revision_ = 0;
   codec::JournalEntry start_;
@@ -176,6 +180,32 @@ absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& fo
                                        const MeshHost::Options& options) {
   return Read(
       journal, found, factory, options, [] {}, /*claims=*/false);
+}
+
+absl::StatusOr<std::shared_ptr<RevisionStore>> ReadPast(Journal& journal, Journal::Key mesh,
+                                                        const MeshOptions& made_with,
+                                                        const MeshFactory& factory,
+                                                        const MeshHost::Options& options,
+                                                        std::uint64_t from, std::uint64_t to,
+                                                        const std::function<bool()>& interrupted) {
+  RecoveredMesh past;
+  past.made.options = made_with;
+  auto made = factory(made_with, {.interrupted = interrupted});
+  if (!made.ok()) return made.status();
+  past.mesh = *std::move(made);
+  const std::function<void()> applied = [] {};
+  Replay replay(past, options, applied);
+  replay.StopIf(interrupted);
+  Journal::Visitor visitor;
+  visitor.snapshot = [&](std::uint64_t r, const std::string& p) { return replay.AddPart(r, p); };
+  visitor.entry = [&](const Journal::Entry& e) { return replay.Apply(e); };
+  absl::Status status = journal.ReadPast(mesh, from, to, visitor);
+  if (status.ok()) status = replay.Begin();
+  if (!status.ok()) return status;
+  if (replay.has_other_bits() || past.past.store->oldest() > from) {
+    return absl::UnimplementedError("the journal has other bits than this server");
+  }
+  return past.past.store;
 }
 
 absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request) {

@@ -46,6 +46,18 @@ absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& fo
                                        const MeshFactory& factory,
                                        const MeshHost::Options& options);
 
+// The past of a mesh with those options, made again from the journal: its revisions from `from` on,
+// or from an earlier one, up to `to`. As long as `interrupted` returns false, which is asked every
+// few microseconds; then CANCELLED. OUT_OF_RANGE if the journal does not go back as far;
+// UNIMPLEMENTED for other bits. What a store's limits drop is missing. Time and memory as of
+// RecoverMesh.
+absl::StatusOr<std::shared_ptr<RevisionStore>> ReadPast(Journal& journal, Journal::Key mesh,
+                                                        const MeshOptions& made_with,
+                                                        const MeshFactory& factory,
+                                                        const MeshHost::Options& options,
+                                                        std::uint64_t from, std::uint64_t to,
+                                                        const std::function<bool()>& interrupted);
+
 // An answer as a mesh remembers it. DATA_LOSS.
 absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request);
 

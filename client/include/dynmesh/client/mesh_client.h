@@ -55,7 +55,7 @@ struct MeshStatus {
   int dimension = 2;                  // 2 or 3
   MeshStats stats;                    // counts and memory
   MeshHash hash;                      // at the current revision
-  std::uint64_t oldest_revision = 0;  // the earliest from which a watch may start
+  std::uint64_t oldest_revision = 0;  // the earliest that a watch may start from without a journal
   std::uint64_t watchers = 0;         // open watch streams
   std::uint64_t waiting_edits = 0;    // batches that wait
 };
