@@ -88,6 +88,7 @@ class GrpcDiffStream final : public DiffStream {
       request.set_start_revision(revision_);
       request.set_start_hash(hash_.ToHex());
     }
+    stub_->AskFollowers(&request, revision_);
     grpc::ClientContext context;
     stub_->Prepare(context);
     {
@@ -96,7 +97,7 @@ class GrpcDiffStream final : public DiffStream {
       context_ = &context;
     }
     heard_ = false;
-    const Stub::ServerPtr server = stub_->Of(mesh_);
+    const Stub::ServerPtr server = stub_->Of(stub_->ReadKey(mesh_));
     auto stream = server->service->Watch(&context, request);
     codec::SnapshotAssembler snapshot;
     codec::DiffAssembler diff;
@@ -121,7 +122,7 @@ class GrpcDiffStream final : public DiffStream {
     }
     if (!broken.ok()) context.TryCancel();
     const absl::Status status = codec::FromGrpcStatus(stream->Finish());
-    stub_->Learn(mesh_, *server, status, /*repeatable=*/true);
+    stub_->Learn(stub_->ReadKey(mesh_), *server, status, /*repeatable=*/true);
     const std::lock_guard lock(mutex_);
     context_ = nullptr;
     return broken.ok() ? status : broken;

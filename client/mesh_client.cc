@@ -115,10 +115,22 @@ struct MeshClient::Impl {
   // A call that streams the result of a batch.
   template <typename Method, typename Request>
   absl::StatusOr<EditResult> Edit(Method method, const Request& request, bool repeatable) const {
-    return stub->Follow(request.mesh(), repeatable, timeout,
-                        [&](Stub::Service& service, grpc::ClientContext& context) {
-                          return ReadResult(*(service.*method)(&context, request));
-                        });
+    absl::StatusOr<EditResult> result =
+        stub->Follow(request.mesh(), repeatable, timeout,
+                     [&](Stub::Service& service, grpc::ClientContext& context) {
+                       return ReadResult(*(service.*method)(&context, request));
+                     });
+    if (result.ok()) stub->Saw(request.mesh(), result->diff.to_revision);
+    return result;
+  }
+
+  // A read, whose answer `run(service, context)` returns; it may be a follower's.
+  template <typename Request, typename Run>
+  auto Read(Request* request, const Run& run) const {
+    const std::string key = stub->ReadKey(request->mesh());
+    stub->Forget(key);
+    stub->AskFollowers(request);
+    return stub->Follow(key, /*repeatable=*/true, timeout, run);
   }
 
   absl::StatusOr<EditResult> ApplyInParts(const std::string& mesh, const EditBatch& edits,
@@ -154,7 +166,8 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
-  impl->stub = std::make_shared<Stub>(address, Credentials(options), arguments, options.token);
+  impl->stub = std::make_shared<Stub>(address, Credentials(options), arguments, options.token,
+                                      options.from_followers);
   impl->timeout = options.timeout;
   return std::unique_ptr<MeshClient>(new MeshClient(std::move(impl)));
 }
@@ -272,13 +285,13 @@ absl::StatusOr<codec::FeaturesAt> MeshClient::GetFeatures(const std::string& mes
   v1::GetFeaturesRequest request;
   request.set_mesh(FullName(mesh));
   if (revision.has_value()) request.set_revision(*revision);
-  return impl_->stub->Follow(request.mesh(), true, impl_->timeout,
-                             [&](Stub::Service& service, grpc::ClientContext& context) {
-                               return ReadWhole<codec::FeaturesAt>(
-                                   *service.GetFeatures(&context, request),
-                                   codec::FeaturesAssembler(info->options.dimension),
-                                   "the server sent not all features");
-                             });
+  auto found = impl_->Read(&request, [&](Stub::Service& service, grpc::ClientContext& context) {
+    return ReadWhole<codec::FeaturesAt>(*service.GetFeatures(&context, request),
+                                        codec::FeaturesAssembler(info->options.dimension),
+                                        "the server sent not all features");
+  });
+  if (found.ok()) impl_->stub->Saw(request.mesh(), found->revision);
+  return found;
 }
 
 absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::uint64_t revision,
@@ -314,12 +327,12 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
   v1::GetSnapshotRequest request;
   request.set_mesh(FullName(mesh));
   request.mutable_regions()->Add(regions.begin(), regions.end());
-  absl::StatusOr<Mesh> found = impl_->stub->Follow(
-      request.mesh(), true, impl_->timeout,
-      [&](Stub::Service& service, grpc::ClientContext& context) {
+  absl::StatusOr<Mesh> found =
+      impl_->Read(&request, [&](Stub::Service& service, grpc::ClientContext& context) {
         return ReadWhole<Mesh>(*service.GetSnapshot(&context, request), codec::SnapshotAssembler(),
                                "the server sent no whole snapshot");
       });
+  if (found.ok()) impl_->stub->Saw(request.mesh(), found->revision);
   // The rows must have the hash that came with them.
   if (found.ok() && ComputeHash(*found) != found->hash) {
     return absl::DataLossError("the snapshot's rows do not have its hash");
@@ -365,10 +378,12 @@ absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimensio
     request.set_mesh(FullName(mesh));
     request.mutable_coordinates()->Add(part.begin(), part.end());
     v1::LocatePointsResponse response;
-    if (auto s =
-            impl_->Call(request.mesh(), true, &Stub::Service::LocatePoints, request, &response);
-        !s.ok())
-      return s;
+    const absl::Status status =
+        impl_->Read(&request, [&](Stub::Service& service, grpc::ClientContext& context) {
+          return codec::FromGrpcStatus(service.LocatePoints(&context, request, &response));
+        });
+    if (!status.ok()) return status;
+    impl_->stub->Saw(request.mesh(), response.revision());
     if (begin > 0 && response.revision() != located.revision) {
       return absl::AbortedError("the mesh changed between two parts of the question: ask again");
     }

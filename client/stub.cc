@@ -24,10 +24,11 @@ bool IsAddress(absl::string_view text) {
 }  // namespace
 
 Stub::Stub(const std::string& addresses, std::shared_ptr<grpc::ChannelCredentials> credentials,
-           const grpc::ChannelArguments& arguments, const std::string& token)
+           const grpc::ChannelArguments& arguments, const std::string& token, bool from_followers)
     : credentials_(std::move(credentials)),
       arguments_(arguments),
-      authorization_(token.empty() ? "" : absl::StrCat("Bearer ", token)) {
+      authorization_(token.empty() ? "" : absl::StrCat("Bearer ", token)),
+      from_followers_(from_followers) {
   for (const absl::string_view address : absl::StrSplit(addresses, ',', absl::SkipWhitespace())) {
     known_.emplace_back(absl::StripAsciiWhitespace(address));
   }
@@ -55,6 +56,19 @@ void Stub::Prepare(grpc::ClientContext& context, absl::Duration timeout, int red
   context.AddMetadata(codec::kRedirectsKey, absl::StrCat(redirects));
   if (timeout == absl::InfiniteDuration()) return;
   context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
+}
+
+void Stub::Forget(const std::string& key) {
+  if (!from_followers_) return;
+  const std::lock_guard lock(mutex_);
+  routes_.erase(key);
+}
+
+void Stub::Saw(const std::string& mesh, std::uint64_t revision) {
+  if (!from_followers_) return;
+  const std::lock_guard lock(mutex_);
+  std::uint64_t& seen = seen_[mesh];
+  seen = std::max(seen, revision);
 }
 
 bool Stub::is_shared() const {

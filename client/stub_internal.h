@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -42,10 +43,28 @@ class Stub {
 
   // `addresses`: HOST:PORT, with commas between.
   Stub(const std::string& addresses, std::shared_ptr<grpc::ChannelCredentials> credentials,
-       const grpc::ChannelArguments& arguments, const std::string& token);
+       const grpc::ChannelArguments& arguments, const std::string& token, bool from_followers);
 
   // The server to ask for the mesh, by its full name; for an empty name one that answers.
   ServerPtr Of(const std::string& mesh);
+
+  // What a read of the mesh gives to Of, Learn and Follow: the mesh's full name, or, if the answer
+  // may be a follower's, a name of its own, as that server need not be the mesh's.
+  std::string ReadKey(const std::string& mesh) const {
+    return from_followers_ ? "read of " + mesh : mesh;
+  }
+  // The next read asks the first server again, not the one that it was sent to.
+  void Forget(const std::string& key);
+  // The client got that revision of the mesh: later reads are not to be older.
+  void Saw(const std::string& mesh, std::uint64_t revision);
+  // Says in the request that the answer may be a follower's, if so. `revision`: the answer's least.
+  template <class Request>
+  void AskFollowers(Request* request, std::uint64_t revision = 0) const {
+    if (!from_followers_) return;
+    const std::lock_guard lock(mutex_);
+    const auto seen = seen_.find(request->mesh());
+    request->set_min_revision(std::max(revision, seen == seen_.end() ? 0 : seen->second));
+  }
 
   // To be called before the call begins. `redirects`: how often it was sent to another server.
   void Prepare(grpc::ClientContext& context, absl::Duration timeout = absl::InfiniteDuration(),
@@ -81,11 +100,13 @@ class Stub {
   const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   const grpc::ChannelArguments arguments_;
   const std::string authorization_;
+  const bool from_followers_;
 
   mutable std::mutex mutex_;
   std::vector<std::string> known_;             // given or named by a server
   std::size_t first_ = 0;                      // of known_: asked for a mesh without a route
   std::map<std::string, std::string> routes_;  // the address of a mesh's server
+  std::map<std::string, std::uint64_t> seen_;  // revisions, if reads may be a follower's
   std::map<std::string, ServerPtr> servers_;   // by address
 };
 

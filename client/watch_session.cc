@@ -23,7 +23,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
       : follower_(std::move(follower)), request_(std::move(request)) {}
 
   void Start(Stub& stub) {
-    server_ = stub.Of(request_.mesh());
+    server_ = stub.Of(stub.ReadKey(request_.mesh()));
     stub.Prepare(context_);
     server_->service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
@@ -84,7 +84,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
 
   // The next stream goes to the mesh's server.
   void Learn(const Stub::Server& asked, const absl::Status& status) {
-    stub_->Learn(FullName(mesh_), asked, status, /*repeatable=*/true);
+    stub_->Learn(stub_->ReadKey(FullName(mesh_)), asked, status, /*repeatable=*/true);
   }
 
   void StreamEnded(const absl::Status& status) {
@@ -166,6 +166,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
       request.set_start_hash(replica_.hash().ToHex());
     }
     from_snapshot_ = false;
+    stub_->AskFollowers(&request, replica_.revision());
     const std::int64_t nanos = absl::ToInt64Nanoseconds(options_.progress_interval);
     request.mutable_progress_interval()->set_seconds(nanos / 1'000'000'000);
     request.mutable_progress_interval()->set_nanos(

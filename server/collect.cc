@@ -130,8 +130,33 @@ void WriteNode(const MeshRegistry& meshes, const LeaseKeeper& keeper, absl::Dura
       epochs.emplace_back(host->id(), epoch);
     }
   }
-  out.Begin("dynmesh_mesh_role", "gauge", "1, with what this server is for the mesh: owner.");
+  const std::vector<Followers::Followed> followed = meshes.Followed();
+  out.Begin("dynmesh_mesh_role", "gauge",
+            "1, with what this server is for the mesh: owner or follower.");
   for (const auto& [id, epoch] : epochs) out.Sample({{"mesh", id}, {"role", "owner"}}, 1);
+  for (const auto& f : followed) {
+    out.Sample({{"mesh", f.host->id()}, {"role", "follower"}}, 1);
+  }
+  const auto follower = [&](const char* name, const char* help, auto value) {
+    out.Begin(name, "gauge", help);
+    for (const auto& f : followed) {
+      out.Sample({{"mesh", f.host->id()}}, static_cast<double>(value(f)));
+    }
+  };
+  follower("dynmesh_follower_revision", "Revision of a mesh that this server follows.",
+           [](const auto& f) { return f.host->head().revision; });
+  follower("dynmesh_follower_lag_revisions",
+           "Revisions that the journal has and this server has not made again.",
+           [](const auto& f) { return f.behind; });
+  follower("dynmesh_follower_lag_seconds",
+           "Since this server had all that the journal had; 0: it has.",
+           [](const auto& f) { return f.lag_seconds; });
+  follower("dynmesh_follower_bytes", "Memory of the mesh and its trace.", [](const auto& f) {
+    const MeshStats stats = f.host->stats();
+    return stats.mesh_bytes + stats.trace_bytes;
+  });
+  follower("dynmesh_follower_watchers", "Watches that this server serves as a follower.",
+           [](const auto& f) { return f.host->hub()->size(); });
   out.Begin("dynmesh_mesh_epoch", "gauge",
             "The epoch in which this server has the mesh: how often a server claimed it.");
   for (const auto& [id, epoch] : epochs) out.Sample({{"mesh", id}}, static_cast<double>(epoch));

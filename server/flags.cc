@@ -252,6 +252,14 @@ void AddFlags(CLI::App& app, Flags& f) {
   AddSeconds(app, "lease", c.lease, 0.1,
              "seconds after which another server takes over the meshes of one that has ended; the "
              "same at all servers of a journal");
+  AddCount<std::uint64_t>(app, "followers", c.followers, 0,
+                          "servers that follow each mesh in use, to take it over at once; 0: none; "
+                          "the same at all servers of a journal",
+                          16);
+  AddCount<std::uint64_t>(app, "max-followed-meshes", c.max_followed_meshes, 0,
+                          "meshes of other servers followed here; 0: none");
+  AddSeconds(app, "follower-idle", c.follower_idle, 1,
+             "seconds without use after which a mesh is not followed any more");
   app.add_option(
          "--accept-loss", f.accept_loss,
          "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "

@@ -389,6 +389,11 @@ bool Server::Drain(absl::Duration limit) {
   Log(LogLevel::kInfo, "draining", {{"limit", absl::FormatDuration(limit)}});
   impl_->not_ready = "draining";
   impl_->SetHealth(false);
+  // Calls are answered meanwhile, with the next owner when it has the mesh.
+  if (limit > absl::ZeroDuration()) {
+    impl_->registry.HandOver(limit);
+    limit = std::max(absl::ZeroDuration(), limit - (absl::Now() - start));
+  }
   impl_->service.BeginDrain();
   impl_->calls.open().Close();
   const bool done = impl_->context.gate.WaitEmpty(limit);

@@ -80,6 +80,11 @@ absl::Status MeshDeletedError(absl::string_view id) {
   return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshDeleted, id, "was deleted");
 }
 
+absl::Status MeshNotFoundError(absl::string_view id) {
+  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
+                   "does not exist: create it, or list those that do");
+}
+
 absl::Status NoHistoryError(absl::string_view id) {
   return MeshError(absl::StatusCode::kFailedPrecondition, codec::reason::kNoHistory, id,
                    "has no history, since the server keeps no journal: start it with --data-dir");

@@ -27,6 +27,8 @@ absl::Status BadName(absl::string_view field, absl::string_view name, absl::stri
 absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_view id,
                        absl::string_view what);
 absl::Status MeshDeletedError(absl::string_view id);
+// NOT_FOUND (MESH_NOT_FOUND).
+absl::Status MeshNotFoundError(absl::string_view id);
 // FAILED_PRECONDITION (NO_HISTORY).
 absl::Status NoHistoryError(absl::string_view id);
 // The server that has a mesh.

@@ -1,13 +1,17 @@
-// What a call tells about itself that asks for a mesh which another server may have.
+// What a call tells about itself that asks for a mesh which another server may have. Pure.
 #ifndef DYNMESH_SERVER_CALLS_ASKING_H_
 #define DYNMESH_SERVER_CALLS_ASKING_H_
 
 #include <grpcpp/server_context.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <optional>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
+#include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/metadata.h"
 #include "server/meshes/mesh_opener.h"
 
@@ -26,6 +30,20 @@ inline Asking AskingOf(const grpc::CallbackServerContext& call) {
     asking.redirects = redirects;
   }
   return asking;
+}
+
+// Of a read that need not be of the present state: the revision that it needs at least. `other`: a
+// revision that it is about, too.
+template <class Request>
+std::optional<std::uint64_t> MinRevisionOf(const Request& request, std::uint64_t other = 0) {
+  if (!request.has_min_revision()) return std::nullopt;
+  return std::max(request.min_revision(), other);
+}
+inline std::optional<std::uint64_t> MinRevisionOf(const v1::WatchRequest& request) {
+  return MinRevisionOf<v1::WatchRequest>(request, request.start_revision());
+}
+inline std::optional<std::uint64_t> MinRevisionOf(const v1::GetFeaturesRequest& request) {
+  return MinRevisionOf<v1::GetFeaturesRequest>(request, request.revision());
 }
 
 }  // namespace dynmesh::server

@@ -40,13 +40,15 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
       call->Fail(status);
       return call.get();
     }
+    call->may_be_old_ = request.has_min_revision();
     // The request lives until the call is finished.
-    context.registry->Open(request.mesh(), AskingOf(*rpc),
-                           [call, &context, &request](absl::StatusOr<MeshRegistry::HostPtr> host) {
-                             absl::Status begun = call->Take(host);
-                             if (begun.ok()) begun = call->Begin(context, request, *host);
-                             if (!begun.ok()) call->Fail(begun);
-                           });
+    context.registry->OpenToRead(
+        request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
+        [call, &context, &request](absl::StatusOr<MeshRegistry::HostPtr> host) {
+          absl::Status begun = call->Take(host);
+          if (begun.ok()) begun = call->Begin(context, request, *host);
+          if (!begun.ok()) call->Fail(begun);
+        });
     return call.get();
   }
 
@@ -75,8 +77,9 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   const std::shared_ptr<Call>& self() const { return self_; }
   std::shared_ptr<const std::atomic<bool>> cancelled() const { return withdrawal_.cancelled(); }
 
-  // A state of the mesh was read that is to be the present one.
+  // A state of the mesh was read that is to be the present one, unless the request says otherwise.
   absl::Status CheckRead(const MeshHost& host) const {
+    if (may_be_old_) return absl::OkStatus();
     return context_->registry->CheckRead(host.id());
   }
 
@@ -109,6 +112,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
 
   std::shared_ptr<Call> self_;  // until OnDone
   ServiceContext* context_ = nullptr;
+  bool may_be_old_ = false;
   OpenSends::Sender sender_;
   Withdrawal withdrawal_;
   Pass pass_;

@@ -30,6 +30,7 @@ class LocateCall final : public grpc::ServerUnaryReactor {
     }
     absl::Status status = CheckLocate(request, (*host)->mesh_options().dimension);
     if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
+    may_be_old_ = request.has_min_revision();
     withdrawal_.Take(*host);
     const auto cancelled =
         withdrawal_.cancelled();  // after the submission the call may be answered and gone
@@ -51,13 +52,15 @@ class LocateCall final : public grpc::ServerUnaryReactor {
       response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
     }
     ticket_.reset();
-    const absl::Status read = meshes_.CheckRead(withdrawal_.host().id());
+    const absl::Status read =
+        may_be_old_ ? absl::OkStatus() : meshes_.CheckRead(withdrawal_.host().id());
     Finish(codec::ToGrpcStatus(answer.ok() ? read : answer.status()));
   }
 
   const MeshRegistry& meshes_;
   Forwarder& forwarder_;
   Withdrawal withdrawal_;
+  bool may_be_old_ = false;
   WorkGate::Ticket ticket_;
   v1::LocatePointsResponse* const response_;  // as rpc_
   grpc::CallbackServerContext* const rpc_;    // valid until the call is finished
@@ -71,10 +74,10 @@ grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& fo
                                           WorkGate::Ticket ticket,
                                           grpc::CallbackServerContext* rpc) {
   auto* call = new LocateCall(*context.registry, forwarder, std::move(ticket), response, rpc);
-  context.registry->Open(request.mesh(), AskingOf(*rpc),
-                         [call, &request](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
-                           call->Begin(request, host);
-                         });
+  context.registry->OpenToRead(request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
+                               [call, &request](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+                                 call->Begin(request, host);
+                               });
   return call;
 }
 

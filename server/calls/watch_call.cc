@@ -2,6 +2,8 @@
 
 #include <grpcpp/server_context.h>
 
+#include <atomic>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +12,7 @@
 
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
+#include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/asking.h"
 #include "server/calls/requests.h"
@@ -41,8 +44,8 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
       return call.get();
     }
     // The request lives until the call is finished.
-    context.registry->Open(
-        request.mesh(), AskingOf(*rpc),
+    context.registry->OpenToRead(
+        request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
         [call, &request, pass = *pass, rpc](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
           call->Opened(request, pass, host, rpc);
         });
@@ -64,6 +67,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
       cancelled_ = true;
       subscription = subscription_;
     }
+    cut_->store(true);
     if (subscription != nullptr && subscription->Cancel())
       Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client disconnected")));
   }
@@ -80,8 +84,21 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  private:
   void Opened(const v1::WatchRequest& request, const Pass& pass,
               const absl::StatusOr<MeshRegistry::HostPtr>& host, grpc::CallbackServerContext* rpc) {
-    const absl::Status status =
-        host.ok() ? Begin(*context_, request, pass, *host, rpc) : host.status();
+    absl::Status status = host.status();
+    if (status.ok()) status = Prepare(request, pass);
+    if (status.ok()) status = Begin(pass, *host, rpc);
+    if (!Is(status, codec::reason::kCompacted)) return Begun(status);
+    // The server does not hold that revision any more, but the journal may.
+    context_->registry->MakePast(
+        *host, start_, cut_,
+        [call = self_, pass, host = *host, rpc,
+         status](absl::StatusOr<MeshRegistry::Past> past) mutable {
+          if (Is(past.status(), codec::reason::kDiverged)) status = past.status();
+          call->Begun(past.ok() ? call->BeginAfter(*std::move(past), pass, host, rpc) : status);
+        });
+  }
+
+  void Begun(const absl::Status& status) {
     if (!status.ok()) {
       Finish(codec::ToGrpcStatus(status));
     } else {
@@ -90,21 +107,40 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     }
   }
 
-  absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request, const Pass& pass,
-                     const MeshRegistry::HostPtr& host, grpc::CallbackServerContext* rpc) {
+  static bool Is(const absl::Status& status, absl::string_view reason) {
+    const auto error = codec::GetServiceError(status);
+    return error.has_value() && error->reason == reason;
+  }
+
+  absl::Status Prepare(const v1::WatchRequest& request, const Pass& pass) {
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
     if (!start.ok()) return start.status();
+    start_ = *std::move(start);
     absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
     if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
-    absl::StatusOr<StreamPlace> place = TakeStream(context, context.watchers, "watches", pass);
+    absl::StatusOr<StreamPlace> place = TakeStream(*context_, context_->watchers, "watches", pass);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
+    return absl::OkStatus();
+  }
+
+  // These diffs first, then what follows them.
+  absl::Status BeginAfter(MeshRegistry::Past past, const Pass& pass,
+                          const MeshRegistry::HostPtr& host, grpc::CallbackServerContext* rpc) {
+    start_.revision = past.back()->to_revision;
+    start_.hash = past.back()->hash;
+    past_.assign(past.begin(), past.end());
+    return Begin(pass, host, rpc);
+  }
+
+  absl::Status Begin(const Pass& pass, const MeshRegistry::HostPtr& host,
+                     grpc::CallbackServerContext* rpc) {
     // The hub outlives a running wake-up; this call may not.
     const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
       if (const auto call = weak.lock()) call->Pump();
     };
-    auto subscription = host->hub()->Subscribe(*start, wake);
+    auto subscription = host->hub()->Subscribe(start_, wake);
     if (!subscription.ok()) return subscription.status();
     {
       const std::lock_guard lock(mutex_);
@@ -116,7 +152,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     }
     mesh_ = host->id();
     absl::StatusOr<Access::Stream> allowed =
-        context.access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
+        context_->access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
     if (!allowed.ok()) return allowed.status();
     allowed_ = *std::move(allowed);
     Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", host->hub()->size()}});
@@ -134,6 +170,11 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   void Pump() {
     if (SendFragment()) return;
     WatchItem item;
+    if (!past_.empty()) {
+      item = std::move(past_.front());
+      past_.pop_front();
+      return Send(std::move(item));
+    }
     switch (subscription_->Next(&item)) {
       case Subscription::Step::kItem:
         return Send(std::move(item));
@@ -230,8 +271,11 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   std::string mesh_;  // for the log
   Access::Stream allowed_;
   std::mutex mutex_;
-  bool cancelled_ = false;                      // under mutex_
-  std::shared_ptr<Subscription> subscription_;  // written under mutex_
+  bool cancelled_ = false;  // under mutex_
+  const std::shared_ptr<std::atomic<bool>> cut_ = std::make_shared<std::atomic<bool>>(false);
+  WatchHub::Start start_;
+  std::deque<std::shared_ptr<const MeshDiff>> past_;  // to be sent before what the hub has
+  std::shared_ptr<Subscription> subscription_;        // written under mutex_
   std::optional<WatchFilter> filter_;
   Lease snapshot_lease_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;

@@ -1,5 +1,8 @@
 #include "server/cluster/placement.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace dynmesh::server {
 namespace {
 
@@ -7,6 +10,12 @@ namespace {
 std::uint64_t Absorb(std::uint64_t hash, absl::string_view bytes) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return hash;
+}
+
+// Of equal weights the smaller name is first.
+bool IsBefore(absl::string_view node, std::uint64_t weight, absl::string_view other,
+              std::uint64_t other_weight) {
+  return weight > other_weight || (weight == other_weight && node < other);
 }
 
 }  // namespace
@@ -28,13 +37,28 @@ std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
   std::uint64_t best_weight = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::uint64_t weight = PlacementWeight(nodes[i], mesh);
-    if (!best.has_value() || weight > best_weight ||
-        (weight == best_weight && nodes[i] < nodes[*best])) {
+    if (!best.has_value() || IsBefore(nodes[i], weight, nodes[*best], best_weight)) {
       best = i;
       best_weight = weight;
     }
   }
   return best;
+}
+
+std::vector<std::string> NextNodes(const std::vector<std::string>& nodes, absl::string_view owner,
+                                   absl::string_view mesh, std::size_t count) {
+  std::vector<std::pair<std::uint64_t, const std::string*>> weighed;
+  for (const std::string& node : nodes) {
+    if (node != owner) weighed.emplace_back(PlacementWeight(node, mesh), &node);
+  }
+  count = std::min(count, weighed.size());
+  std::partial_sort(weighed.begin(), weighed.begin() + static_cast<std::ptrdiff_t>(count),
+                    weighed.end(), [](const auto& a, const auto& b) {
+                      return IsBefore(*a.second, a.first, *b.second, b.first);
+                    });
+  std::vector<std::string> next;
+  for (std::size_t i = 0; i < count; ++i) next.push_back(*weighed[i].second);
+  return next;
 }
 
 }  // namespace dynmesh::server

@@ -24,6 +24,11 @@ std::uint64_t PlacementWeight(absl::string_view node, absl::string_view mesh);
 std::optional<std::size_t> ChooseNode(const std::vector<std::string>& nodes,
                                       absl::string_view mesh);
 
+// Those to which the mesh goes next: the `count` nodes, or fewer, with the largest weights among
+// `nodes` without `owner`, the largest first. O(bytes of all names + nodes log count).
+std::vector<std::string> NextNodes(const std::vector<std::string>& nodes, absl::string_view owner,
+                                   absl::string_view mesh, std::size_t count);
+
 }  // namespace dynmesh::server
 
 #endif  // DYNMESH_SERVER_CLUSTER_PLACEMENT_H_

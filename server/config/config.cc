@@ -55,6 +55,10 @@ absl::Status ValidateNode(const ServerConfig& c) {
   if (c.lease < absl::Milliseconds(100) || c.lease > absl::Hours(1)) {
     return Bad("lease", "not in 0.1 s to an hour");
   }
+  if (c.followers > 16) return Bad("followers", "not in 0..16");
+  if (c.follower_idle < absl::Seconds(1) || c.follower_idle > absl::Hours(24)) {
+    return Bad("follower-idle", "not in 1 s to a day");
+  }
   const absl::string_view address = c.node_address;
   const bool good = address.size() <= 255 &&
                     std::all_of(address.begin(), address.end(),

@@ -31,6 +31,13 @@ struct ServerConfig {
   std::string node_ca;
   // How long another server waits, when this one has ended, before it takes over its meshes.
   absl::Duration lease = absl::Seconds(3);
+  // Servers that follow each mesh in use, besides the one that has it. 0: none, and meshes are not
+  // handed over at a drain.
+  std::uint64_t followers = 1;
+  // Meshes that this server follows at most, those included that a read asked for. 0: none.
+  std::uint64_t max_followed_meshes = 100;
+  // A mesh that nothing was written to, read of or watched for so long is not followed any more.
+  absl::Duration follower_idle = absl::Minutes(10);
 
   // host:port of metrics and health over HTTP (metrics_http.h); empty: none.
   std::string metrics;

@@ -41,6 +41,10 @@ class MeshHistory {
   absl::StatusOr<Span> Between(std::uint64_t from, std::uint64_t to, const Head& head,
                                const std::atomic<bool>* cancelled) const;
 
+  // What it reads.
+  Journal& journal() const { return *journal_; }
+  Journal::Key key() const { return key_; }
+
  private:
   absl::Status ErrorOf(const absl::Status& status, std::uint64_t revision, const Head& head) const;
 

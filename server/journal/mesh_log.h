@@ -60,6 +60,12 @@ class MeshLog {
   // order of their revisions. Errors as JournalError.
   absl::Status Append(std::span<const Batch> batches);
 
+  // Of a mesh that another server writes: it wrote a batch that executed `work`; a snapshot.
+  void SawEntry(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
+    sizes_.Add(revision, bytes, work);
+  }
+  void SawSnapshot(std::uint64_t bytes) { sizes_ = {.snapshot = bytes}; }
+
   // False after an append that was fenced or has an unknown outcome: nothing more can be written.
   bool owns() const { return owns_; }
 

@@ -109,7 +109,8 @@ PostgresJournal::PostgresJournal(const postgres::Target& target, const Options& 
       owner_(FreshOwner()),
       writers_(target.conninfo, options.writing_connections),
       readers_(target.conninfo, options.reading_connections),
-      keeper_(target.conninfo, 1) {}
+      keeper_(target.conninfo, 1),
+      follower_(target.conninfo, 2) {}
 
 void PostgresJournal::Measure(Session& session) {
   const Answer size = session.Execute(

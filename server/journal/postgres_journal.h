@@ -76,6 +76,11 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
                                                std::size_t limit) override;
   std::int64_t EpochOf(Key mesh) override;
+  absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>& positions) override;
+  absl::Status AskToFollow(const std::vector<Wish>& wishes) override;
+  absl::StatusOr<std::vector<std::string>> AskedToFollow() override;
+  absl::Status SetFollows(Key mesh, bool follows) override;
+  absl::StatusOr<std::int64_t> HandOver(Key mesh, const std::string& address) override;
 
   // Meshes from other journals (postgres_import.cc).
   MeshImport* import() override { return this; }
@@ -128,7 +133,8 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   const Options options_;
   const std::string owner_;  // no other journal object has it
   postgres::Pool writers_, readers_;
-  postgres::Pool keeper_;  // for leases, which must not wait for appends
+  postgres::Pool keeper_;    // for leases, which must not wait for appends
+  postgres::Pool follower_;  // for tails, which must not wait for long reads
 
   std::mutex owned_mutex_;
   std::map<Key, OwnedPtr> owned_;

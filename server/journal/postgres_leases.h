@@ -6,6 +6,8 @@
 //   nodes               a row per server: id, the name that owns meshes; address, for clients;
 //                       seen, when it renewed last
 //   meshes.lease_until  -infinity: nothing is leased
+//   followers           which nodes are asked to follow which meshes, and which do: is_warm. It
+//                       counts for nodes that are live
 //   meshes_by_owner     an index: a renewal costs as many rows as the server has meshes
 // Each function but PrepareLeases is one statement, and safe to repeat. Errors: as Session::Run.
 // Thread-compatible.
@@ -63,14 +65,33 @@ absl::StatusOr<std::vector<Node>> LiveNodes(Session& session, absl::Duration ttl
 FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node,
                     absl::Duration ttl);
 
-// The mesh `id` as `node` sees it. NOT_FOUND for one that does not exist.
+// The mesh `id` as `node` sees it. NOT_FOUND for one that does not exist. Of the nodes that follow
+// it those are told that renewed within the last `ttl`.
 absl::StatusOr<SharedJournal::Place> LocateMesh(Session& session, const std::string& id,
-                                                const std::string& node);
+                                                const std::string& node, absl::Duration ttl);
 // At most `limit` meshes with ids > `after`, by id.
 absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
                                                                const std::string& after,
                                                                std::size_t limit,
                                                                const std::string& node);
+
+// As SharedJournal's.
+absl::Status AskToFollow(Session& session, const std::vector<SharedJournal::Wish>& wishes,
+                         absl::Duration ttl);
+absl::StatusOr<std::vector<std::string>> AskedToFollow(Session& session, const std::string& node);
+// Says that the node follows the mesh, or does not, and is not asked to any more.
+absl::Status SetFollows(Session& session, std::int64_t mesh, const std::string& node, bool follows);
+
+// Where a mesh is claimed: by that node, in that epoch.
+struct Hold {
+  std::string node;
+  std::int64_t epoch = 0;
+};
+// Makes the node at `address`, which renewed within `ttl`, the owner of a mesh, if it is held as
+// `hold` says: with the next epoch, which is returned, and a lease of `ttl`. FAILED_PRECONDITION if
+// there is no such node or the mesh is not held like that.
+absl::StatusOr<std::int64_t> HandOver(Session& session, std::int64_t mesh, const Hold& hold,
+                                      const std::string& address, absl::Duration ttl);
 
 // For a drain, after the last append: other nodes may claim its meshes at once, and it does not
 // count as live. Its epochs stay, so what it still has in flight is not refused before such a

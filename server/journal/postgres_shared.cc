@@ -1,12 +1,20 @@
 // The part of PostgresJournal for several servers on one database: leases, and where meshes are.
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/journal/postgres_journal.h"
 #include "server/journal/postgres_leases.h"
+#include "server/journal/postgres_tails.h"
 
 namespace dynmesh::server {
 
 using SessionLease = postgres::Pool::Lease;
+
+namespace {
+
+constexpr std::int64_t kTailBytes = 4 << 20;
+
+}  // namespace
 
 absl::StatusOr<std::vector<Journal::Key>> PostgresJournal::Renew(const std::string& address) {
   absl::StatusOr<SessionLease> session = keeper_.Take();
@@ -34,7 +42,7 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
 absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& id) {
   absl::StatusOr<SessionLease> session = readers_.Take();
   if (!session.ok()) return session.status();
-  return postgres::LocateMesh(**session, id, owner_);
+  return postgres::LocateMesh(**session, id, owner_, options_.lease);
 }
 
 absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
@@ -47,6 +55,46 @@ absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
 std::int64_t PostgresJournal::EpochOf(Key mesh) {
   const OwnedPtr owned = Find(mesh);
   return owned == nullptr ? 0 : owned->epoch.load();
+}
+
+absl::StatusOr<std::vector<SharedJournal::Tail>> PostgresJournal::ReadTails(
+    const std::vector<Position>& positions) {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::ReadTails(**session, positions, owner_, kTailBytes);
+}
+
+absl::Status PostgresJournal::AskToFollow(const std::vector<Wish>& wishes) {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::AskToFollow(**session, wishes, options_.lease);
+}
+
+absl::StatusOr<std::vector<std::string>> PostgresJournal::AskedToFollow() {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::AskedToFollow(**session, owner_);
+}
+
+absl::Status PostgresJournal::SetFollows(Key mesh, bool follows) {
+  absl::StatusOr<SessionLease> session = follower_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::SetFollows(**session, mesh, owner_, follows);
+}
+
+absl::StatusOr<std::int64_t> PostgresJournal::HandOver(Key mesh, const std::string& address) {
+  const OwnedPtr owned = Find(mesh);
+  if (owned == nullptr) return NotClaimed(mesh);
+  const std::lock_guard lock(owned->mutex);
+  if (!owned->gone.ok()) return owned->gone;
+  absl::StatusOr<SessionLease> session = writers_.Take();
+  if (!session.ok()) return session.status();
+  const absl::StatusOr<std::int64_t> epoch =
+      postgres::HandOver(**session, mesh, {owner_, owned->is.epoch}, address, options_.lease);
+  if (!epoch.ok()) return epoch.status();  // if it was done all the same, the epoch tells
+  owned->gone = absl::AbortedError(absl::StrCat("the mesh was handed over to ", address));
+  owned->epoch = 0;
+  return epoch;
 }
 
 }  // namespace dynmesh::server

@@ -110,6 +110,8 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       requests_(past.requests.has_value() ? *std::move(past.requests)
                                           : RequestMemory(options.remembered_requests)),
       pipeline_(options.held),
+      seen_snapshot_(past.follows.value_or(0)),
+      follows_(past.follows.has_value()),
       stats_(mesh_->Stats()) {}
 
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh was closed")); }
@@ -195,6 +197,8 @@ void MeshHost::Close(const absl::Status& status) {
     const std::lock_guard lock(mutex_);
     closed_ = status;
   }
+  ended_ = true;
+  waiters_.Close();
   hub_->Close(status);
 }
 
@@ -260,6 +264,7 @@ void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outc
 absl::StatusOr<EditOutcome> MeshHost::Answer(HeldEdit& edit) {
   EditJob& job = *edit.job;
   if (absl::Status status = closed(); !status.ok()) return status;
+  if (follows_) return NotOwnerError(id_);
   if (job.stop != nullptr && job.stop->load()) {
     return absl::CancelledError("a batch before it was refused");
   }

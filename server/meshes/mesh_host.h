@@ -16,7 +16,11 @@
 //
 // What needs the mesh as written waits until nothing is held, and so does a snapshot for the
 // journal: a large batch, a revert, a query. It waits in the strand's queue and takes no thread
-// (SerialQueue::Defer). So does each batch while the limit of what is held is reached. Thread-safe.
+// (SerialQueue::Defer). So does each batch while the limit of what is held is reached.
+//
+// A host may *follow* a mesh that another server has (mesh_host_following.cc): its revisions are
+// those of the journal, made again here and compared by their hashes, and it takes no edits. It
+// becomes the owner's host by Lead. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
 #define DYNMESH_SERVER_MESHES_MESH_HOST_H_
 
@@ -37,13 +41,16 @@
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/base/memory_guard.h"
+#include "server/base/mesh_name.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/mesh_log.h"
+#include "server/journal/shared_journal.h"
 #include "server/meshes/append_pipeline.h"
 #include "server/meshes/batch_activity.h"
 #include "server/meshes/batch_progress.h"
 #include "server/meshes/edit_group.h"
 #include "server/meshes/edit_job.h"
+#include "server/meshes/revision_waiters.h"
 #include "server/meshes/watch_hub.h"
 #include "server/metrics/server_metrics.h"
 #include "server/revisions/request_memory.h"
@@ -81,6 +88,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::optional<RequestMemory> requests;
     absl::Status read_only;         // not OK: edits are refused with this
     std::optional<MeshHash> empty;  // hash without features; none: there are none
+    // Another server has the mesh, and this one follows: the revision of the journal's newest
+    // snapshot. There is a log.
+    std::optional<std::uint64_t> follows;
   };
   struct LocateAnswer {
     std::uint64_t revision = 0;
@@ -121,6 +131,26 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
 
   // Refuses all waiting jobs and ends all watches with `status`.
   void Close(const absl::Status& status);
+  // Of a host that follows: applies what the journal has after the head, on the strand, then calls
+  // `done` there. DATA_LOSS, with the revision: it is another one here than in the journal, and not
+  // published; the host is to be dropped. UNIMPLEMENTED: it has other bits than this program's.
+  // CANCELLED: the host was closed meanwhile.
+  void Follow(SharedJournal::Tail tail, std::function<void(absl::Status)> done);
+  // The mesh was claimed, and all that the journal has was applied: it takes edits from now on.
+  void Lead() { follows_ = false; }
+  bool follows() const { return follows_; }
+  // Calls `done` once: with true when the head is `revision` or later, with false at the `end`,
+  // when ExpireWaiters tells of it, or when the host is closed. Of a host that follows.
+  void WhenAt(std::uint64_t revision, RevisionWaiters::Clock::time_point end,
+              RevisionWaiters::Done done);
+  void ExpireWaiters(RevisionWaiters::Clock::time_point now) { waiters_.Expire(now); }
+
+  // Of an owner's host: when all that was applied is written, calls `give` on the strand, which may
+  // block, and closes the host with NOT_OWNER if it returns the next owner. Batches behind it are
+  // refused with that. `done` gets the status of `give`, or why the host was closed before.
+  void HandOver(std::function<absl::StatusOr<MeshOwner>()> give,
+                std::function<void(absl::Status)> done);
+
   // Another server may have the mesh: closes the host for good, with NOT_OWNER. `why`: for the log.
   void StepDown(const absl::Status& why);
 
@@ -164,6 +194,11 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   void Finish(HeldEdit edit);
   absl::Status Lose(absl::string_view why);
   void RebaseIfDue();
+
+  // Following, on the strand (mesh_host_following.cc).
+  absl::Status TakeTail(const SharedJournal::Tail& tail);
+  absl::Status TakeEntry(const Journal::Entry& entry);
+  absl::Status Remember(const Journal::Request& request);
 
   // The pipeline, on the strand but for Write (mesh_host_appends.cc).
   using FlightPtr = AppendPipeline::FlightPtr;
@@ -211,9 +246,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   AppendPipeline pipeline_;
   std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the pipeline is not empty
   bool snapshot_due_ = false;                // nothing more is applied until the pipeline is empty
+  std::uint64_t seen_snapshot_;              // in the journal, while it follows
 
   std::atomic<bool> rebasing_{false};
   std::atomic<bool> disowned_{false};
+  std::atomic<bool> follows_;
+  std::atomic<bool> ended_{false};  // closed: nothing more is to be followed
+  RevisionWaiters waiters_;
   mutable std::mutex mutex_;
   MeshStats stats_;
   absl::Status closed_;

@@ -16,13 +16,11 @@ constexpr int kThreads = 4;
 // A call that was sent on so often is served here if it can be.
 constexpr int kMostRedirects = 2;
 constexpr int kMostLost = 3;
+// So often, and for so long, a free mesh is left to nodes that follow it.
+constexpr int kMostLeft = 4;
+constexpr std::chrono::milliseconds kLeaveFor(100);
 // After the end of a lease, for the database's clock to be past it.
 constexpr absl::Duration kPast = absl::Milliseconds(2);
-
-absl::Status NotFound(absl::string_view id) {
-  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
-                   "does not exist: create it, or list those that do");
-}
 
 absl::Status TooLate(absl::string_view id) {
   return absl::DeadlineExceededError(
@@ -72,11 +70,12 @@ std::vector<MeshOpener::Waiter> MeshOpener::Take(
 
 void MeshOpener::Step(const std::string& id) {
   bool claims = false;
-  int lost = 0;
+  Opening before;
   {
     const std::lock_guard lock(mutex_);
     Opening& opening = openings_[id];
-    lost = opening.lost;
+    before.lost = opening.lost;
+    before.left = opening.left;
     claims = opening.waited || std::any_of(opening.waiters.begin(), opening.waiters.end(),
                                            [](const Waiter& w) { return !IsSentOn(w.asking); });
     if (opening.waiters.empty()) {
@@ -84,7 +83,7 @@ void MeshOpener::Step(const std::string& id) {
       return;
     }
   }
-  Found found = Look(id, claims, lost);
+  Found found = Look(id, claims, before);
   std::vector<Waiter> answered;
   {
     const std::lock_guard lock(mutex_);
@@ -95,6 +94,7 @@ void MeshOpener::Step(const std::string& id) {
       } else {
         opening.waited = true;
       }
+      if (found.is_left) ++opening.left;
       opening.running = false;
       opening.next = Clock::now() + found.again;
       changed_.notify_one();
@@ -113,14 +113,14 @@ void MeshOpener::Step(const std::string& id) {
   for (const Waiter& waiter : answered) waiter.done(found.answer);
 }
 
-MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, int lost) {
+MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, const Opening& before) {
   const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
-  if (absl::IsNotFound(place.status())) return {NotFound(id)};
+  if (absl::IsNotFound(place.status())) return {MeshNotFoundError(id)};
   if (!place.ok()) return {JournalError(place.status(), id)};
-  Found found = LookAt(id, *place, claims);
+  Found found = LookAt(id, *place, claims, before.left);
   // The next look finds the node that was granted the claim.
   if (absl::IsAborted(found.answer.status()) && !codec::GetServiceError(found.answer.status())) {
-    if (lost < kMostLost) {
+    if (before.lost < kMostLost) {
       found.again = std::chrono::milliseconds(1);
     } else {
       found.answer = NotOwnerError(id);
@@ -130,7 +130,7 @@ MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, int lost)
 }
 
 MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal::Place& place,
-                                     bool claims) {
+                                     bool claims, int left) {
   const absl::Duration lease = journal_->lease();
   const bool is_held = !place.is_mine && place.left > absl::ZeroDuration();
   // An owner that renews leaves about half of it (lease_keeper.h).
@@ -138,7 +138,7 @@ MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal:
     return {NotOwnerError(id, {place.address, place.epoch})};
   }
   if (!place.is_mine && !claims) {
-    const std::string chosen = Chosen(id, place.address);
+    const std::string chosen = Chosen(id, place);
     if (chosen != address_) {
       return {NotOwnerError(id, {chosen, place.epoch}), /*only_followers=*/true};
     }
@@ -147,13 +147,20 @@ MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal:
     const absl::Duration again = std::min(place.left + kPast, lease / 10);
     return {HostPtr(), false, absl::ToChronoNanoseconds(again)};
   }
+  // They have it in memory, and look for it every 50 ms.
+  const auto& followers = place.followers;
+  const bool follows = std::find(followers.begin(), followers.end(), address_) != followers.end();
+  if (!place.is_mine && !followers.empty() && !follows && left < kMostLeft) {
+    return {HostPtr(), false, kLeaveFor, /*is_left=*/true};
+  }
   return {load_(place.mesh)};
 }
 
-std::string MeshOpener::Chosen(const std::string& id, const std::string& owner) const {
-  absl::StatusOr<std::vector<std::string>> nodes = journal_->LiveNodes();
+std::string MeshOpener::Chosen(const std::string& id, const SharedJournal::Place& place) const {
+  absl::StatusOr<std::vector<std::string>> nodes = place.followers;
+  if (nodes->empty()) nodes = journal_->LiveNodes();
   if (!nodes.ok()) return address_;
-  if (owner != address_) std::erase(*nodes, owner);
+  if (place.address != address_) std::erase(*nodes, place.address);
   const auto chosen = ChooseNode(*nodes, id);
   return chosen.has_value() ? (*nodes)[*chosen] : address_;
 }

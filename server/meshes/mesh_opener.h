@@ -5,7 +5,8 @@
 // deadline. An owner that has missed a renewal is waited for: either it renews, or the mesh is
 // claimed when its lease ends. A free mesh is claimed by the node that placement chooses, so a call
 // that can go there is sent there, if it has to wait, before it waits; but not more than twice, as
-// nodes may differ about which are live.
+// nodes may differ about which are live. If there are nodes that follow the mesh, placement chooses
+// one of them, and the others let them claim it: they look again some times before they claim.
 //
 // The journal blocks, so the work has threads of its own. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_OPENER_H_
@@ -73,20 +74,22 @@ class MeshOpener {
     Clock::time_point next;  // of the next step, if none runs
     bool waited = false;     // for the end of the lease: it is this node that claims
     int lost = 0;            // claims that another node was granted
+    int left = 0;            // times that it was left to a node that follows
   };
   // What a step has found.
   struct Found {
     absl::StatusOr<HostPtr> answer = HostPtr();
     bool only_followers = false;  // the answer is for those that may be sent elsewhere
     Clock::duration again{0};     // > 0: no answer yet; look again after this time
+    bool is_left = false;         // to a node that follows
   };
 
   void Step(const std::string& id);
-  Found Look(const std::string& id, bool claims, int lost);
-  Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims);
-  // Where a mesh is to be opened that its last owner, at that address, does not have any more; this
-  // node's address if that is not known.
-  std::string Chosen(const std::string& id, const std::string& owner) const;
+  Found Look(const std::string& id, bool claims, const Opening& before);
+  Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims, int left);
+  // Where a mesh is to be opened that its last owner does not have any more; this node's address if
+  // that is not known.
+  std::string Chosen(const std::string& id, const SharedJournal::Place& place) const;
   // Takes the waiters out that `is_meant` is true for. Under mutex_.
   static std::vector<Waiter> Take(Opening& opening,
                                   const std::function<bool(const Waiter&)>& is_meant);

@@ -22,11 +22,6 @@ absl::Status MeshExistsError(absl::string_view id) {
                    "exists already");
 }
 
-absl::Status NotFound(absl::string_view id) {
-  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
-                   "does not exist: create it, or list those that do");
-}
-
 // One part per task of the pool. Does not use the registry, which is destroyed before its pools.
 void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
              const std::shared_ptr<std::atomic<bool>>& ended) {
@@ -74,7 +69,10 @@ std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
 }
 
 MeshRegistry::~MeshRegistry() {
+  ends_ = true;
+  past_pool_.Stop();
   if (opener_ != nullptr) {
+    followers_->Stop();
     opener_.reset();                  // it loads into this
     shared_->GiveUp().IgnoreError();  // what was claimed after a drain; else it runs out
   }
@@ -263,7 +261,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   if (!id.ok()) return id.status();
   const std::lock_guard lock(mutex_);
   const auto it = hosts_.find(*id);
-  if (it == hosts_.end()) return NotFound(*id);
+  if (it == hosts_.end()) return MeshNotFoundError(*id);
   if (it->second.host == nullptr) return it->second.damage;
   if (it->second.host->disowned()) return NotOwnerError(*id);
   return it->second.host;
@@ -338,6 +336,7 @@ std::size_t MeshRegistry::damaged() const {
 std::size_t MeshRegistry::watchers() const {
   std::size_t sum = 0;
   for (const HostPtr& host : Hosts()) sum += host->hub()->size();
+  for (const Followers::Followed& followed : Followed()) sum += followed.host->hub()->size();
   return sum;
 }
 
@@ -346,6 +345,7 @@ void MeshRegistry::Tick(absl::Time now) {
     host->hub()->Tick(now);
     host->ReportLongWork(config_.report_interval);
   }
+  for (const Followers::Followed& followed : Followed()) followed.host->hub()->Tick(now);
 }
 
 void MeshRegistry::CloseAll(const absl::Status& status) {
@@ -353,7 +353,9 @@ void MeshRegistry::CloseAll(const absl::Status& status) {
 }
 
 void MeshRegistry::CloseWatches(const absl::Status& status) {
+  ends_ = true;  // for watches that begin in the past
   for (const HostPtr& host : Hosts()) host->hub()->Close(status);
+  if (followers_ != nullptr) followers_->CloseWatches(status);
 }
 
 }  // namespace dynmesh::server

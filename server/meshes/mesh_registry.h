@@ -3,7 +3,8 @@
 // that lacks acknowledged revisions is read only, with the reason.
 //
 // Several servers may share a journal (Join). Then only a part of its meshes is here; the others
-// are opened when a call asks for them, or are another server's. Thread-safe.
+// are opened when a call asks for them, or are another server's. Of these some are followed.
+// Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
@@ -25,6 +26,7 @@
 #include "server/config/config.h"
 #include "server/journal/journal.h"
 #include "server/journal/shared_journal.h"
+#include "server/meshes/followers.h"
 #include "server/meshes/mesh_host.h"
 #include "server/meshes/mesh_opener.h"
 #include "server/metrics/server_metrics.h"
@@ -85,9 +87,23 @@ class MeshRegistry {
   // The same for a mesh that may not be here yet: `done` is called once, with what Find returns, at
   // once or by another thread; also with UNAVAILABLE (JOURNAL_FAILED) and DEADLINE_EXCEEDED.
   void Open(absl::string_view name, const Asking& asking, MeshOpener::Done done);
+  // The same for a read of a state that is at least `min_revision`: also with a host that follows
+  // the mesh. Without `min_revision` as Open. OUT_OF_RANGE (FUTURE_REVISION) if the mesh is not
+  // there yet.
+  void OpenToRead(absl::string_view name, const Asking& asking,
+                  std::optional<std::uint64_t> min_revision, MeshOpener::Done done);
   // OK if a state of the mesh that has been read may be answered as the present one; UNAVAILABLE
   // (NOT_OWNER) if another server may have changed it meanwhile.
   absl::Status CheckRead(absl::string_view id) const;
+  // The diffs of a mesh here from `start`, which has a revision, on to the present one, made again
+  // from the journal; at least one. `done` is called once, by this thread or one for such work,
+  // which makes one past at a time. OUT_OF_RANGE: DIVERGED; without a reason if the journal does
+  // not go back as far, if they are more than the mesh itself would hold, or if they take too long.
+  // CANCELLED soon after `cancelled` turned true; RESOURCE_EXHAUSTED if too many wait.
+  using Past = std::vector<RevisionStore::DiffPtr>;
+  void MakePast(const HostPtr& host, const WatchHub::Start& start,
+                std::shared_ptr<const std::atomic<bool>> cancelled,
+                std::function<void(absl::StatusOr<Past>)> done);
   // Waits for the journal. The journal frees the mesh's bytes later.
   absl::Status Delete(absl::string_view name, const Origin& origin = {});
 
@@ -122,6 +138,11 @@ class MeshRegistry {
   // Ends all watches and refuses all waiting jobs with `status`.
   void CloseAll(const absl::Status& status);
   void CloseWatches(const absl::Status& status);
+  // Before a drain: hands the meshes over to the servers that follow them, each when what was
+  // applied is written. Waits at most for `limit`. What is not handed over stays.
+  void HandOver(absl::Duration limit);
+  // The meshes that this server follows.
+  std::vector<Followers::Followed> Followed() const;
   // Answers all calls that wait for a mesh to be opened, now and later, with `status`.
   void CloseOpening(const absl::Status& status);
   // Of a mesh here: the epoch in which this server has it; 0 if servers do not share the journal.
@@ -139,12 +160,18 @@ class MeshRegistry {
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
+  absl::StatusOr<Past> PastOf(const MeshHost& host, const WatchHub::Start& start,
+                              const std::atomic<bool>& cancelled) const;
   static absl::Status DamageOf(absl::string_view id, const absl::Status& status);
   std::string FreshId(const std::string& request_id);
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
   // Of a shared journal.
   absl::StatusOr<HostPtr> LoadShared(const Journal::Mesh& mesh);
   absl::Status OpenChosen();
+  void StartFollowers();
+  absl::StatusOr<HostPtr> MakeFollower(const Journal::Mesh& mesh) const;
+  // Puts a mesh in that was followed until it was taken over.
+  void PutFollowed(const Journal::Mesh& mesh, const HostPtr& host, absl::Time start);
   // Of a mesh that is to be deleted and is not here: NOT_FOUND, or NOT_OWNER if it is leased.
   absl::StatusOr<Journal::Key> KeyElsewhere(const std::string& id) const;
   Listed ListedOf(const SharedJournal::Place& place) const;
@@ -175,10 +202,15 @@ class MeshRegistry {
       std::make_shared<std::atomic<bool>>(false);
   std::mt19937_64 random_{std::random_device{}()};
 
+  std::atomic<int> pasts_{0};  // wait or are made
+  std::atomic<bool> ends_{false};
+  WorkerPool past_pool_{1, WorkerPool::Priority::kBackground};
+
   // Set by Join.
   SharedJournal* shared_ = nullptr;
   std::string address_;
   std::function<bool()> reads_;
+  std::unique_ptr<Followers> followers_;
   std::unique_ptr<MeshOpener> opener_;
 };
 

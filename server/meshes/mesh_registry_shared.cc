@@ -1,5 +1,7 @@
 // The part of MeshRegistry for a journal that several servers share.
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -9,11 +11,16 @@
 #include "server/cluster/placement.h"
 #include "server/meshes/mesh_registry.h"
 #include "server/meshes/recovery.h"
+#include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kPage = 1'000;
+// A read waits so long for a revision, or for the mesh to be followed; then its owner is named.
+constexpr std::chrono::seconds kFollowerPatience(1);
 
 absl::Status Lost() { return absl::AbortedError("another server has the mesh"); }
 
@@ -28,8 +35,42 @@ absl::Status MeshRegistry::Join(const std::string& address, std::function<bool()
   reads_ = std::move(reads);
   opener_ = std::make_unique<MeshOpener>(
       shared_, address_, [this](const Journal::Mesh& mesh) { return LoadShared(mesh); });
+  StartFollowers();
   if (absl::Status s = Renew(); !s.ok()) return s;
   return OpenChosen();
+}
+
+void MeshRegistry::StartFollowers() {
+  Followers::Options options;
+  options.per_mesh = config_.followers;
+  options.max_meshes = config_.max_followed_meshes;
+  options.idle = absl::ToChronoNanoseconds(config_.follower_idle);
+  Followers::Calls calls;
+  calls.make = [this](const Journal::Mesh& mesh) { return MakeFollower(mesh); };
+  calls.take_over = [this](const std::string& id, std::function<void()> done) {
+    opener_->Open(id, {}, [done = std::move(done)](const absl::StatusOr<HostPtr>&) { done(); });
+  };
+  calls.owned = [this] {
+    std::vector<Followers::Owned> owned;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, held] : hosts_) {
+      if (held.host == nullptr || held.host->disowned()) continue;
+      owned.push_back({held.key, id, held.host->head().revision});
+    }
+    return owned;
+  };
+  calls.check_room = [this] {
+    return memory_ == nullptr ? absl::OkStatus() : memory_->CheckRoom();
+  };
+  followers_ = std::make_unique<Followers>(shared_, address_, options, std::move(calls),
+                                           metrics_ == nullptr ? nullptr : &metrics_->followers);
+}
+
+absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::MakeFollower(const Journal::Mesh& mesh) const {
+  absl::StatusOr<RecoveredMesh> found = ReadMesh(*journal_, mesh, factory_, HostOptions());
+  if (!found.ok()) return found.status();
+  return MeshHost::Create(mesh.id, std::move(found->mesh), found->made.create_time, writers_,
+                          readers_, HostOptions(), std::move(found->past));
 }
 
 // The free meshes of this node. They are opened while calls are answered.
@@ -100,6 +141,77 @@ void MeshRegistry::Open(absl::string_view name, const Asking& asking, MeshOpener
   opener_->Open(*id, asking, std::move(done));
 }
 
+void MeshRegistry::OpenToRead(absl::string_view name, const Asking& asking,
+                              std::optional<std::uint64_t> min_revision, MeshOpener::Done done) {
+  if (!min_revision.has_value()) return Open(name, asking, std::move(done));
+  auto check = [revision = *min_revision, done](const absl::StatusOr<HostPtr>& host) {
+    if (!host.ok() || (*host)->head().revision >= revision) return done(host);
+    done(FutureRevision(revision, (*host)->head(), std::nullopt, "ask for one that does"));
+  };
+  const absl::StatusOr<std::string> id = ParseMeshName(name);
+  const absl::StatusOr<HostPtr> here = Find(name);
+  const bool may_follow = followers_ != nullptr && id.ok() && !absl::IsDataLoss(here.status());
+  if (here.ok() || !may_follow) return Open(name, asking, std::move(check));
+  const Clock::time_point end = std::min(asking.deadline, Clock::now() + kFollowerPatience);
+  followers_->Read(
+      *id, *min_revision, end,
+      [this, id = *id, asking, check = std::move(check)](const absl::StatusOr<HostPtr>& host) {
+        // Null: no other server has it.
+        if (!host.ok() || *host != nullptr) return check(host);
+        Open(MeshName(id), asking, check);
+      });
+}
+
+void MeshRegistry::HandOver(absl::Duration limit) {
+  if (followers_ == nullptr) return;
+  followers_->Settle();
+  if (config_.followers == 0) return;
+  absl::StatusOr<std::vector<std::string>> nodes = shared_->LiveNodes();
+  if (!nodes.ok()) return;
+  std::erase(*nodes, address_);
+  if (nodes->empty()) return;
+  std::vector<std::pair<HostPtr, Journal::Key>> meshes;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, held] : hosts_) {
+      if (held.host != nullptr && !held.host->disowned()) meshes.emplace_back(held.host, held.key);
+    }
+  }
+  struct Left {
+    std::mutex mutex;
+    std::condition_variable none;
+    std::size_t meshes;
+  };
+  const auto left = std::make_shared<Left>();
+  left->meshes = meshes.size();
+  for (const auto& [host, key] : meshes) {
+    const std::string& id = host->id();
+    host->HandOver(
+        [journal = shared_, address = address_, id, key = key,
+         nodes = *nodes]() -> absl::StatusOr<MeshOwner> {
+          absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
+          if (!place.ok()) return place.status();
+          std::erase(place->followers, address);
+          const std::vector<std::string>& choice =
+              place->followers.empty() ? nodes : place->followers;
+          const std::string& next = choice[*ChooseNode(choice, id)];
+          const absl::StatusOr<std::int64_t> epoch = journal->HandOver(key, next);
+          if (!epoch.ok()) return epoch.status();
+          return MeshOwner{next, *epoch};
+        },
+        [left](const absl::Status&) {
+          const std::lock_guard lock(left->mutex);
+          if (--left->meshes == 0) left->none.notify_all();
+        });
+  }
+  std::unique_lock lock(left->mutex);
+  left->none.wait_for(lock, absl::ToChronoNanoseconds(limit), [&] { return left->meshes == 0; });
+}
+
+std::vector<Followers::Followed> MeshRegistry::Followed() const {
+  return followers_ == nullptr ? std::vector<Followers::Followed>() : followers_->List();
+}
+
 absl::StatusOr<std::vector<MeshRegistry::Listed>> MeshRegistry::ListAll(
     absl::string_view after, std::size_t limit,
     const std::function<bool(absl::string_view)>& shown) const {
@@ -141,8 +253,7 @@ MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Place& place) c
 }
 
 absl::StatusOr<Journal::Key> MeshRegistry::KeyElsewhere(const std::string& id) const {
-  const absl::Status missing = MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound,
-                                         id, "does not exist: create it, or list those that do");
+  const absl::Status missing = MeshNotFoundError(id);
   if (shared_ == nullptr) return missing;
   const absl::StatusOr<SharedJournal::Place> place = shared_->Locate(id);
   if (absl::IsNotFound(place.status())) return missing;
@@ -184,8 +295,15 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Me
     }
   }
   const absl::Time start = absl::Now();
+  const absl::StatusOr<HostPtr> followed =
+      followers_->TakeOver(mesh, [this, &mesh] { return journal_->Claim(mesh.key); });
+  if (followed.ok() && *followed != nullptr) {
+    PutFollowed(mesh, *followed, start);
+    return followed;
+  }
   absl::StatusOr<RecoveredMesh> found =
-      RecoverMesh(*journal_, mesh, factory_, HostOptions(), [] {});
+      followed.ok() ? RecoverMesh(*journal_, mesh, factory_, HostOptions(), [] {})
+                    : absl::StatusOr<RecoveredMesh>(followed.status());
   if (found.ok()) return Put(mesh, *std::move(found), start);
   const absl::Status& why = found.status();
   if (absl::IsAborted(why)) return why;
@@ -195,6 +313,19 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Me
   const std::lock_guard lock(mutex_);
   hosts_.insert_or_assign(mesh.id, Held{nullptr, damage, mesh.key, {}});
   return damage;
+}
+
+void MeshRegistry::PutFollowed(const Journal::Mesh& mesh, const HostPtr& host, absl::Time start) {
+  const auto made = codec::DecodeJournalMesh(mesh.description);
+  const std::string request_id = made.ok() ? made->request_id : "";
+  Log(LogLevel::kInfo, "taken_over",
+      {{"mesh", mesh.id},
+       {"revision", host->head().revision},
+       {"hash", host->head().hash.ToHex()},
+       {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+  const std::lock_guard lock(mutex_);
+  if (!request_id.empty()) made_.emplace(request_id, mesh.id);
+  hosts_.insert_or_assign(mesh.id, Held{host, absl::OkStatus(), mesh.key, request_id});
 }
 
 absl::Status MeshRegistry::CheckRead(absl::string_view id) const {

@@ -16,15 +16,13 @@ class Replay {
       : out_(out), options_(options), applied_(applied), dimension_(out.made.options.dimension) {
     out_.past.requests.emplace(options.remembered_requests);
   }
+  // Gives up when it returns true.
+  void StopIf(const std::function<bool()>& interrupted) { apply_.interrupted = interrupted; }
 
   absl::Status Remember(const Journal::Request& request) {
-    const auto answer = codec::DecodeJournalAnswer(request.answer);
+    const auto answer = DecodeAnswer(request);
     if (!answer.ok()) return answer.status();
-    out_.past.requests->Remember(request.id, {{answer->content_a, answer->content_b},
-                                              answer->from_revision,
-                                              answer->to_revision,
-                                              answer->hash,
-                                              answer->work});
+    out_.past.requests->Remember(request.id, *answer);
     return absl::OkStatus();
   }
 
@@ -41,7 +39,7 @@ class Replay {
     if (start_revision_ == 0) start_.bits = batch->bits;
     if (!has_begun() && start_.bits != kMeshBits) return Gather(entry, *batch);
     if (absl::Status s = Begin(); !s.ok()) return s;
-    absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits);
+    absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits, apply_);
     if (!diff.ok()) return At(entry.revision, diff.status());
     if (diff->hash != batch->hash) return OtherHash(entry.revision, batch->hash);
     sizes_.Add(entry.revision, entry.data.size(), diff->work);
@@ -60,7 +58,7 @@ class Replay {
     if (has_begun()) return absl::OkStatus();
     if (start_revision_ > 0) {
       if (gathered_.size() > 0) start_.edits = mesh_data::EditsBetween({}, gathered_.Sorted());
-      if (absl::Status s = out_.mesh->Apply(start_.edits).status(); !s.ok()) {
+      if (absl::Status s = out_.mesh->Apply(start_.edits, apply_).status(); !s.ok()) {
         return At(start_revision_, s);
       }
       has_other_bits_ = start_.bits != kMeshBits;
@@ -80,6 +78,7 @@ class Replay {
   // After Begin: all that was read has other bits than this program's.
   bool has_other_bits() const { return has_other_bits_; }
   std::uint32_t bits() const { return start_.bits; }
+  std::uint64_t snapshot_revision() const { return has_snapshot_ ? start_revision_ : 0; }
   const MeshLog::Sizes& sizes() const { return sizes_; }
 
  private:
@@ -98,6 +97,7 @@ class Replay {
     return absl::OkStatus();
   }
   static absl::Status At(std::uint64_t revision, const absl::Status& status) {
+    if (absl::IsCancelled(status)) return status;
     return absl::DataLossError(absl::StrCat(
         "revision ", revision, " cannot be recovered from the journal: ", status.message()));
   }
@@ -110,6 +110,7 @@ class Replay {
   const MeshHost::Options& options_;
   const std::function<void()>& applied_;
   const int dimension_;
+  ApplyOptions apply_;
   // Made in one batch: the snapshot and the gathered entries.
   std::uint64_t start_revision_ = 0;
   codec::JournalEntry start_;
@@ -119,14 +120,13 @@ class Replay {
   MeshLog::Sizes sizes_;
 };
 
-}  // namespace
-
-absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
-                                          const MeshFactory& factory,
-                                          const MeshHost::Options& options,
-                                          const std::function<void()>& applied) {
+absl::StatusOr<RecoveredMesh> Read(Journal& journal, const Journal::Mesh& found,
+                                   const MeshFactory& factory, const MeshHost::Options& options,
+                                   const std::function<void()>& applied, bool claims) {
   if (!found.damage.ok()) return found.damage;
-  if (absl::Status s = journal.Claim(found.key); !s.ok()) return s;
+  if (claims) {
+    if (absl::Status s = journal.Claim(found.key); !s.ok()) return s;
+  }
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
@@ -146,6 +146,14 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   recovered.past.log =
       std::make_unique<MeshLog>(&journal, found.key, found.id, recovered.made.options.dimension,
                                 replay.sizes(), options.compact);
+  if (!claims) {
+    if (!replay.has_other_bits()) {
+      recovered.past.follows = replay.snapshot_revision();
+      return recovered;
+    }
+    return absl::UnimplementedError(
+        absl::StrCat("the journal has the bits ", replay.bits(), ", this server ", kMeshBits));
+  }
   if (!replay.has_other_bits()) return recovered;
   if (found.loss.ok()) {
     if (absl::Status s = recovered.past.log->AppendOtherBits(*recovered.mesh); !s.ok()) return s;
@@ -156,6 +164,58 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
        {"from", replay.bits()},
        {"to", kMeshBits}});
   return recovered;
+}
+
+}  // namespace
+
+absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
+                                          const MeshFactory& factory,
+                                          const MeshHost::Options& options,
+                                          const std::function<void()>& applied) {
+  return Read(journal, found, factory, options, applied, /*claims=*/true);
+}
+
+absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& found,
+                                       const MeshFactory& factory,
+                                       const MeshHost::Options& options) {
+  return Read(
+      journal, found, factory, options, [] {}, /*claims=*/false);
+}
+
+absl::StatusOr<std::shared_ptr<RevisionStore>> ReadPast(Journal& journal, Journal::Key mesh,
+                                                        const MeshOptions& made_with,
+                                                        const MeshFactory& factory,
+                                                        const MeshHost::Options& options,
+                                                        std::uint64_t from, std::uint64_t to,
+                                                        const std::function<bool()>& interrupted) {
+  RecoveredMesh past;
+  past.made.options = made_with;
+  auto made = factory(made_with, {.interrupted = interrupted});
+  if (!made.ok()) return made.status();
+  past.mesh = *std::move(made);
+  const std::function<void()> applied = [] {};
+  Replay replay(past, options, applied);
+  replay.StopIf(interrupted);
+  Journal::Visitor visitor;
+  visitor.snapshot = [&](std::uint64_t r, const std::string& p) { return replay.AddPart(r, p); };
+  visitor.entry = [&](const Journal::Entry& e) { return replay.Apply(e); };
+  absl::Status status = journal.ReadPast(mesh, from, to, visitor);
+  if (status.ok()) status = replay.Begin();
+  if (!status.ok()) return status;
+  if (replay.has_other_bits() || past.past.store->oldest() > from) {
+    return absl::UnimplementedError("the journal has other bits than this server");
+  }
+  return past.past.store;
+}
+
+absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request) {
+  const auto answer = codec::DecodeJournalAnswer(request.answer);
+  if (!answer.ok()) return answer.status();
+  return RequestMemory::Entry{{answer->content_a, answer->content_b},
+                              answer->from_revision,
+                              answer->to_revision,
+                              answer->hash,
+                              answer->work};
 }
 
 }  // namespace dynmesh::server

@@ -33,12 +33,33 @@ struct RecoveredMesh {
   std::uint64_t entries = 0;  // applied one by one
 };
 
-// Returns an error if the data is inconsistent. `applied` is called after each snapshot and each
-// entry.
+// Returns an error if the data is inconsistent: DATA_LOSS. `applied` is called after each snapshot
+// and each entry.
 absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
                                           const MeshFactory& factory,
                                           const MeshHost::Options& options,
                                           const std::function<void()>& applied);
+
+// The same without a claim, for a server that follows the mesh: nothing is written. UNIMPLEMENTED
+// if the journal has other bits: what its owner makes differs from what this program makes.
+absl::StatusOr<RecoveredMesh> ReadMesh(Journal& journal, const Journal::Mesh& found,
+                                       const MeshFactory& factory,
+                                       const MeshHost::Options& options);
+
+// The past of a mesh with those options, made again from the journal: its revisions from `from` on,
+// or from an earlier one, up to `to`. As long as `interrupted` returns false, which is asked every
+// few microseconds; then CANCELLED. OUT_OF_RANGE if the journal does not go back as far;
+// UNIMPLEMENTED for other bits. What a store's limits drop is missing. Time and memory as of
+// RecoverMesh.
+absl::StatusOr<std::shared_ptr<RevisionStore>> ReadPast(Journal& journal, Journal::Key mesh,
+                                                        const MeshOptions& made_with,
+                                                        const MeshFactory& factory,
+                                                        const MeshHost::Options& options,
+                                                        std::uint64_t from, std::uint64_t to,
+                                                        const std::function<bool()>& interrupted);
+
+// An answer as a mesh remembers it. DATA_LOSS.
+absl::StatusOr<RequestMemory::Entry> DecodeAnswer(const Journal::Request& request);
 
 }  // namespace dynmesh::server
 

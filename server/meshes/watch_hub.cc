@@ -4,8 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "proto/codec/status_codec.h"
 #include "server/revisions/diff_algebra.h"
 #include "server/revisions/revision_error.h"
 
@@ -16,8 +14,6 @@ constexpr absl::Duration kLeastProgressInterval = absl::Milliseconds(100);
 // Watchers woken by one task of the pool: large enough to be cheap, small enough that two threads
 // share the work of a few hundred.
 constexpr std::size_t kWakeSlice = 32;
-
-constexpr char kWithout[] = "watch without start_revision";
 
 }  // namespace
 
@@ -31,17 +27,14 @@ absl::Status WatchHub::CheckStart(const Start& start) const {
   const Head head = store_->head();
   const std::uint64_t oldest = store_->oldest();
   if (*start.revision > head.revision) {
-    return FutureRevision(*start.revision, head, oldest, kWithout);
+    return FutureRevision(*start.revision, head, oldest, kWatchWithout);
   }
   const std::optional<MeshHash> hash = store_->HashAt(*start.revision);
   if (!hash.has_value()) {
-    return CompactedRevision(*start.revision, head, oldest, kWithout);
+    return CompactedRevision(*start.revision, head, oldest, kWatchWithout);
   }
   if (start.hash.has_value() && *start.hash != *hash) {
-    return RevisionError(codec::reason::kDiverged,
-                         absl::StrCat("at revision ", *start.revision, " the mesh had hash ",
-                                      hash->ToHex(), ", not ", start.hash->ToHex(), ": ", kWithout),
-                         head, oldest);
+    return DivergedRevision(*start.revision, *hash, *start.hash, head, oldest, kWatchWithout);
   }
   return absl::OkStatus();
 }

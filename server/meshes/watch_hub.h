@@ -35,6 +35,9 @@ namespace dynmesh::server {
 
 class WatchHub;
 
+// What a client can do that is refused because of its start.
+inline constexpr char kWatchWithout[] = "watch without start_revision";
+
 // The next item to send: a whole mesh, a diff, a progress message (nothing new), or the end.
 using WatchItem =
     std::variant<std::shared_ptr<const Mesh>, std::shared_ptr<const MeshDiff>, Head, absl::Status>;

@@ -137,4 +137,16 @@ RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
                              "Seconds that the recovery of the meshes took.")
                   .With()) {}
 
+FollowerMetrics::FollowerMetrics(MetricRegistry& registry)
+    : mismatches(
+          registry
+              .AddCounters("dynmesh_follower_mismatches_total",
+                           "Followed meshes that were dropped, as a revision was another one "
+                           "here than in the journal.")
+              .With()),
+      takeovers(registry
+                    .AddCounters("dynmesh_follower_takeovers_total",
+                                 "Meshes that this server took over while it followed them.")
+                    .With()) {}
+
 }  // namespace dynmesh::server

@@ -90,12 +90,21 @@ struct RecoveryMetrics {
   Gauge& seconds;  // duration of the recovery
 };
 
+// Meshes that are followed: another server has them.
+struct FollowerMetrics {
+  explicit FollowerMetrics(MetricRegistry& registry);
+
+  Counter& mismatches;  // replicas that were dropped, as they differed from the journal
+  Counter& takeovers;   // meshes that were taken over while they were followed
+};
+
 // All metrics of a server. Its other figures are added to the registry as sources.
 struct ServerMetrics {
   MetricRegistry registry;
   EditMetrics edits{registry};
   BuildMetrics builds{registry};
   RecoveryMetrics recovery{registry};
+  FollowerMetrics followers{registry};
 };
 
 }  // namespace dynmesh::server

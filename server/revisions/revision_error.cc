@@ -30,4 +30,12 @@ absl::Status CompactedRevision(std::uint64_t asked, const Head& head, std::uint6
       head, oldest);
 }
 
+absl::Status DivergedRevision(std::uint64_t asked, const MeshHash& hash, const MeshHash& given,
+                              const Head& head, std::uint64_t oldest, absl::string_view advice) {
+  return RevisionError(codec::reason::kDiverged,
+                       absl::StrCat("at revision ", asked, " the mesh had hash ", hash.ToHex(),
+                                    ", not ", given.ToHex(), ": ", advice),
+                       head, oldest);
+}
+
 }  // namespace dynmesh::server

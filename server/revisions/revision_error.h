@@ -21,6 +21,10 @@ absl::Status FutureRevision(std::uint64_t asked, const Head& head,
 absl::Status CompactedRevision(std::uint64_t asked, const Head& head, std::uint64_t oldest,
                                absl::string_view advice);
 
+// DIVERGED: at the revision `asked` the mesh had `hash`, and the client has `given`.
+absl::Status DivergedRevision(std::uint64_t asked, const MeshHash& hash, const MeshHash& given,
+                              const Head& head, std::uint64_t oldest, absl::string_view advice);
+
 }  // namespace dynmesh::server
 
 #endif  // DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_

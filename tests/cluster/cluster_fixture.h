@@ -34,19 +34,23 @@ class ClusterTest : public ::testing::Test {
   explicit ClusterTest(const std::string& lease = "3") : lease_(lease) {}
 
   std::vector<std::string> Flags() const {
-    return {"--journal", database_.Url("postgres"), "--node-address", "127.0.0.1", "--lease",
-            lease_,      "--compact-bytes",         "4000"};
+    std::vector<std::string> flags = {"--journal",       database_.Url("postgres"),
+                                      "--node-address",  "127.0.0.1",
+                                      "--lease",         lease_,
+                                      "--compact-bytes", "4000"};
+    flags.insert(flags.end(), more_.begin(), more_.end());
+    return flags;
   }
   void StartNodes(int count, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> flags = Flags();
-    flags.insert(flags.end(), more.begin(), more.end());
+    more_ = more;
+    const std::vector<std::string> flags = Flags();
     for (int i = 0; i < count; ++i) {
       nodes_.push_back(std::make_unique<Node>());
       ASSERT_TRUE(nodes_.back()->daemon.Start(flags)) << nodes_.back()->daemon.Log();
       nodes_.back()->address = nodes_.back()->daemon.address();
     }
   }
-  // At the same address.
+  // At the same address, with the same flags.
   void Restart(Node& node) {
     ASSERT_TRUE(node.daemon.Start(Flags(), node.address.c_str())) << node.daemon.Log();
   }
@@ -76,6 +80,7 @@ class ClusterTest : public ::testing::Test {
   }
 
   const std::string lease_;
+  std::vector<std::string> more_;  // flags
   server::PostgresServer database_;
   std::vector<std::unique_ptr<Node>> nodes_;
 };

@@ -147,7 +147,7 @@ TEST_F(OwnershipTest, AMeshIsMadeOnceWhicheverNodesAreAsked) {
 }
 
 TEST_F(OwnershipTest, AFreeMeshIsOpenedByOneNodeHoweverManyAsk) {
-  StartNodes(2);
+  StartNodes(2, {"--followers", "0"});
   ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
   ASSERT_TRUE(ConnectTo(0)->Apply("m", Point(1)).ok());
   EXPECT_EQ(nodes_[0]->daemon.End(SIGTERM), 0) << nodes_[0]->daemon.Log();

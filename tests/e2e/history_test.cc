@@ -17,6 +17,7 @@
 #include "server/base/log.h"
 #include "server/journal/sqlite.h"
 #include "server/journal/sqlite_journal.h"
+#include "server/revisions/diff_algebra.h"
 #include "server/server.h"
 #include "tests/support/label_script.h"
 #include "tests/support/polygon_script.h"
@@ -278,6 +279,67 @@ TEST_F(HistoryTest, WithoutAJournalThereIsThePresentOnly) {
     EXPECT_EQ(ReasonOf(none), codec::reason::kNoHistory);
     EXPECT_TRUE(absl::StrContains(none.message(), "--data-dir")) << none;
   }
+}
+
+// What the server does not hold after its start, and the journal has.
+TEST_F(HistoryTest, AWatchBeginsInTheJournalsPast) {
+  SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed_));
+  journal_options_.history_bytes = 10'000;
+  Start();
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  const std::unique_ptr<DynamicMesh> mirror = *DynamicMesh::Create(MeshOptions());
+  std::vector<Mesh> past = {mirror->Snapshot()};
+  test::ScriptGenerator script(test::Distribution::kUniform, 40, seed_);
+  while (past.size() < 300) {
+    const EditBatch batch = script.Next(mirror->Features());
+    if (batch.empty() || !mirror->Apply(batch).ok()) continue;
+    ASSERT_TRUE(client_->Apply("m", batch).ok());
+    past.push_back(mirror->Snapshot());
+  }
+  // The last snapshot may be in progress.
+  ASSERT_TRUE(client_->Locate("m", 2, std::vector{0.5, 0.5}).ok());
+  Start();
+  const std::uint64_t held = client_->GetStats("m")->mesh->oldest_revision;
+  std::uint64_t oldest = 0;
+  while (!client_->GetFeatures("m", oldest).ok()) ++oldest;
+  ASSERT_GT(held, oldest) << "the test shows nothing";
+  ASSERT_GT(oldest, 0u);
+  const auto stream_from = [&](std::uint64_t revision, const MeshHash& hash) {
+    client::DiffStreamOptions options;
+    options.start_revision = revision;
+    options.start_hash = hash;
+    return client_->StreamDiffs("m", options);
+  };
+  for (const std::uint64_t from : {oldest, (oldest + held) / 2, held - 1, held}) {
+    SCOPED_TRACE(absl::StrCat("from revision ", from, ", held from ", held));
+    const auto stream = stream_from(from, past[from].hash);
+    Mesh mesh = past[from];
+    for (std::uint64_t r = from + 1; r < past.size(); ++r) {
+      const auto event = stream->Next(absl::Minutes(1));
+      ASSERT_TRUE(event.ok()) << event.status();
+      ASSERT_TRUE(event->has_value());
+      const MeshDiff& diff = std::get<MeshDiff>(**event);
+      ASSERT_EQ(diff.to_revision, r);
+      mesh = *server::Patched(mesh, diff);
+      ASSERT_EQ(mesh.hash, past[r].hash);
+      ASSERT_EQ(ComputeHash(mesh), past[r].hash);
+    }
+    // It goes on, and back.
+    ASSERT_TRUE(client_->Apply("m", {Edit::Add(Feature::Point(9'999, 0.777, 0.123))}).ok());
+    const auto event = stream->Next(absl::Minutes(1));
+    ASSERT_TRUE(event.ok() && event->has_value()) << event.status();
+    EXPECT_EQ(std::get<MeshDiff>(**event).to_revision, past.size());
+    const auto next = client_->GetSnapshot("m");
+    ASSERT_TRUE(next.ok()) << next.status();
+    past.push_back(*next);
+    ASSERT_TRUE(client_->RemoveFeatures("m", std::vector<FeatureId>{9'999}).ok());
+    past.push_back(*client_->GetSnapshot("m"));
+  }
+  const auto ends_with = [](client::DiffStream& stream) {
+    return ReasonOf(stream.Next(absl::Minutes(1)).status());
+  };
+  EXPECT_EQ(ends_with(*stream_from(oldest + 1, past[oldest].hash)), codec::reason::kDiverged);
+  EXPECT_EQ(ends_with(*stream_from(oldest - 1, past[oldest - 1].hash)), codec::reason::kCompacted);
 }
 
 // More than a chunk has.

@@ -67,6 +67,9 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   AddConnectionFlags(command, flags,
                      "The server; or some of those that share the meshes, with commas between "
                      "(default: 127.0.0.1:7878)");
+  command.add_flag("--from-followers", flags.from_followers,
+                   "Read from the first of the servers, which may follow the mesh of another one: "
+                   "some ten milliseconds old");
   command.add_flag("--json", flags.json, "Print one JSON object a line");
 }
 
@@ -91,6 +94,7 @@ absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& f
   }
   absl::StripAsciiWhitespace(&options.token);
   if (absl::Status s = CheckToken(options.token); !s.ok()) return s;
+  options.from_followers = flags.from_followers;
   if (flags.timeout_seconds > 0) options.timeout = absl::Seconds(flags.timeout_seconds);
   return client::MeshClient::Connect(flags.address, options);
 }

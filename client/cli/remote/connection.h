@@ -22,11 +22,12 @@ struct ServerFlags {
   std::string tls_certificate;
   std::string tls_key;
   std::string token_file;
+  bool from_followers = false;
 };
 
 // --server --timeout --tls-ca --tls-cert --tls-key --token-file; `server` describes the first.
 void AddConnectionFlags(CLI::App& command, ServerFlags& flags, const std::string& server);
-// The same, and --json.
+// The same, --from-followers and --json.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // Parses --region, as ParseRegionFlag. A server needs the polygons' ids: `any` is refused.

@@ -12,7 +12,7 @@
 set -euo pipefail
 : "${NODE_NAME:?}" "${PRIMARY:?}" "${PGDATA:?}" "${REPLICATION_PASSWORD:?}"
 
-# Each dynmeshd has up to 25 connections. Standbys need the primary's max_connections. A standby that
+# Each dynmeshd has up to 27 connections. Standbys need the primary's max_connections. A standby that
 # was away longer than wal_keep_size lasts has to be copied anew.
 settings=(-c max_connections=200 -c wal_keep_size=1GB)
 

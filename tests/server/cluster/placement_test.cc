@@ -101,5 +101,27 @@ TEST(ReadLease, TheClockGoesForward) {
   EXPECT_GE(BootTime(), before);
 }
 
+TEST(Placement, TheNextNodesAreThoseOfTheLargestWeightsWithoutTheOwner) {
+  const std::vector<std::string> nodes = {"a:1", "b:1", "c:1", "d:1"};
+  for (int m = 0; m < 100; ++m) {
+    const std::string mesh = "m" + std::to_string(m);
+    for (const std::string& owner : nodes) {
+      std::vector<std::string> rest = nodes, next;
+      std::erase(rest, owner);
+      EXPECT_EQ(NextNodes(nodes, owner, mesh, 0), next);
+      for (std::size_t count = 1; count <= 3; ++count) {
+        // The first of what is left, again and again.
+        const std::size_t best = *ChooseNode(rest, mesh);
+        next.push_back(rest[best]);
+        rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
+        EXPECT_EQ(NextNodes(nodes, owner, mesh, count), next);
+      }
+      EXPECT_EQ(NextNodes(nodes, owner, mesh, 9), next);
+    }
+    EXPECT_EQ(NextNodes(nodes, "", mesh, 9).size(), 4u);
+    EXPECT_TRUE(NextNodes({"a:1"}, "a:1", mesh, 1).empty());
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh::server

@@ -239,7 +239,8 @@ TEST_F(SharedPostgresTest, AllMeshesAreListedInPages) {
 }
 
 TEST_F(PostgresLeasesTest, TheAdditionsAreMadeOnceByServersThatStartTogether) {
-  Sql("DROP TABLE dynmesh.nodes; ALTER TABLE dynmesh.meshes DROP COLUMN lease_until");
+  Sql("DROP TABLE dynmesh.nodes; DROP TABLE dynmesh.followers; "
+      "ALTER TABLE dynmesh.meshes DROP COLUMN lease_until");
   std::vector<std::thread> threads;
   for (int i = 0; i < 6; ++i) {
     threads.emplace_back([session = Connect()] {
@@ -249,6 +250,7 @@ TEST_F(PostgresLeasesTest, TheAdditionsAreMadeOnceByServersThatStartTogether) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(Claim("a"), "epoch 2");
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.followers"), "0");
 }
 
 }  // namespace

@@ -41,6 +41,15 @@ class ScriptedJournal final : public SharedJournal {
     return std::vector<Place>();
   }
   std::int64_t EpochOf(Journal::Key) override { return 1; }
+  absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>&) override {
+    return std::vector<Tail>();
+  }
+  absl::Status AskToFollow(const std::vector<Wish>&) override { return absl::OkStatus(); }
+  absl::StatusOr<std::vector<std::string>> AskedToFollow() override {
+    return std::vector<std::string>();
+  }
+  absl::Status SetFollows(Journal::Key, bool) override { return absl::OkStatus(); }
+  absl::StatusOr<std::int64_t> HandOver(Journal::Key, const std::string&) override { return 2; }
 
   absl::Duration lease_ = absl::Hours(1);
   std::vector<std::string> nodes_ = {"here:1", "there:1"};
@@ -201,6 +210,30 @@ TEST_F(MeshOpenerTest, ItsEndAnswersAllThatWait) {
   EXPECT_TRUE(absl::IsCancelled(Open().status()));
   opener_->Stop();
   EXPECT_TRUE(absl::IsCancelled(Open().status()));
+}
+
+TEST_F(MeshOpenerTest, AFreeMeshGoesToANodeThatFollowsIt) {
+  Place place = Free();
+  place.followers = {"third:1"};
+  journal_.nodes_ = {"here:1", "third:1"};
+  journal_.places_ = {place};
+  for (const char* id : {"m", "n", "o"}) {
+    EXPECT_EQ(Text(Open(Follows(0), id)), "NOT_OWNER third:1 7") << "wherever it is placed";
+  }
+  EXPECT_EQ(loads_, 0);
+  // A call that stays here waits until that node has claimed it.
+  journal_.places_ = {place, place, Held(absl::Hours(1))};
+  EXPECT_EQ(Text(Open()), "NOT_OWNER other:1 7");
+  EXPECT_EQ(loads_, 0);
+  // But not for ever.
+  journal_.places_ = {place};
+  EXPECT_EQ(Text(Open()), "open");
+  EXPECT_EQ(loads_, 1);
+  place.followers = {"here:1", "third:1"};
+  journal_.places_ = {place};
+  const int looked = journal_.looked_;
+  EXPECT_EQ(Text(Open()), "open");
+  EXPECT_EQ(journal_.looked_, looked + 1) << "at once: it follows the mesh itself";
 }
 
 }  // namespace

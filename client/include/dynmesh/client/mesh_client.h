@@ -55,7 +55,7 @@ struct MeshStatus {
   int dimension = 2;                  // 2 or 3
   MeshStats stats;                    // counts and memory
   MeshHash hash;                      // at the current revision
-  std::uint64_t oldest_revision = 0;  // the earliest from which a watch may start
+  std::uint64_t oldest_revision = 0;  // the earliest that a watch may start from without a journal
   std::uint64_t watchers = 0;         // open watch streams
   std::uint64_t waiting_edits = 0;    // batches that wait
 };
@@ -84,6 +84,11 @@ struct ClientOptions {
   absl::Duration timeout = absl::InfiniteDuration();
   // If true, a separate connection; else clients of this process with equal options share one.
   bool own_connection = false;
+  // If true, GetSnapshot, GetFeatures, Locate, Watch and StreamDiffs ask the first server that can
+  // be reached, which may follow the mesh of another one. Their answers may be some ten
+  // milliseconds old, but have at least the revisions that this client has got by Apply,
+  // AddFeatures, RemoveFeatures, RevertTo and these reads.
+  bool from_followers = false;
 
   // PEM texts for TLS. All empty: no encryption.
 
