@@ -292,12 +292,6 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Polygons of a map become polygon features, not segments");
 }
 
-absl::Status ExpectPlanar(const Input& input, const std::string& path) {
-  if (input.options.dimension == 2) return absl::OkStatus();
-  return absl::UnimplementedError(
-      Concat(path, ": input of 3 dimensions is not supported here yet in this version"));
-}
-
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   const std::string extension = io::ExtensionOf(path);
   if (flags.polygons && !IsMap(path)) {

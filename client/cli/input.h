@@ -58,7 +58,6 @@ void AddInputFlags(CLI::App& command, InputFlags& flags);
 // .geojson, .topojson, .json (either of both). Any extension that is not a known kind of geometry
 // is an edit script; its last revision counts. `options` has the dimension. Errors as `file:line:
 // ...`.
-inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
     ".stl, .obj or .ply; of 2D and 3D meshes .msh, .mesh or .vtu";
@@ -67,8 +66,6 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
 // dimension than that.
 absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path, int dimension,
                                       const InputFlags& flags = {});
-// UNIMPLEMENTED for 3D features, for commands that support 2D only.
-absl::Status ExpectPlanar(const Input& input, const std::string& path);
 
 // Appends a polygon for each hole, then for each region: the face of the segments that contains its
 // seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is
