@@ -29,6 +29,7 @@ constexpr Example kExamples[] = {
     {"import", "counties.json --clean -o counties.poly", "a map that a mesh accepts"},
     {"import", "counties.json --polygons --clean -o counties.dynmesh", "its polygons, too"},
     {"import", "coast.poly --clean --tolerance 0.001 -o clean.poly --json", "with every change"},
+    {"import", "scan.stl --clean -o scan.poly", "a surface whose faces cross, overlap or touch"},
     {"verify", "m.node --input plate.poly", "is it a mesh of this input?"},
     {"verify", "m.msh --rho 1.5", "is another mesher's mesh good enough?"},
     {"verify", "m.node --input part.off --min-dihedral 10", "with dihedral angles"},
