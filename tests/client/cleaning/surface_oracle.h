@@ -15,7 +15,25 @@ namespace dynmesh::cleaning {
 
 using Place3 = std::array<double, 3>;
 
-// Polygons as triangles, a fan from the first corner: of convex ones, the same area.
+// Do the triangles from the first corner have area, all on one side?
+inline bool FanIsValid(const std::vector<Place3>& ring) {
+  const auto normal = [&](std::size_t i) {
+    Place3 u, w;
+    for (std::size_t k = 0; k < 3; ++k) {
+      u[k] = ring[i][k] - ring[0][k];
+      w[k] = ring[i + 1][k] - ring[0][k];
+    }
+    return Place3{u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+  };
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+    const Place3 a = normal(1), b = normal(i);
+    if (!(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0)) return false;
+  }
+  return true;
+}
+
+// Polygons as triangles, a fan from a corner that sees them all: of quadrangles there always is
+// one.
 struct PlainSurface {
   std::vector<std::array<Place3, 3>> triangles;
   std::vector<std::array<Place3, 2>> segments;
@@ -36,9 +54,13 @@ inline PlainSurface PlainOf(const std::vector<Feature>& features) {
       plain.segments.push_back({at.at(f.ends[0]), at.at(f.ends[1])});
     }
     if (f.kind != FeatureKind::kPolygon) continue;
-    const auto& ring = f.rings.front();
+    std::vector<Place3> ring;
+    for (const FeatureId corner : f.rings.front()) ring.push_back(at.at(corner));
+    for (std::size_t turns = 0; turns < ring.size() && !FanIsValid(ring); ++turns) {
+      std::rotate(ring.begin(), ring.begin() + 1, ring.end());
+    }
     for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
-      plain.triangles.push_back({at.at(ring[0]), at.at(ring[i]), at.at(ring[i + 1])});
+      plain.triangles.push_back({ring[0], ring[i], ring[i + 1]});
     }
   }
   return plain;
