@@ -26,9 +26,9 @@ constexpr FeatureId kMaxId = ~FeatureId{0} >> 2;  // leaves room for new ones
 // How flat a polygon must be to stay one, in tolerances.
 constexpr double kFlat = 1.0 / 16;
 // Rounds that find no fewer faults than the best one before them.
-constexpr int kMostStalled = 4;
+constexpr int kMostStalled = 3;
 // Faults of a round, in units of the first two.
-constexpr std::size_t kMostGrowth = 16;
+constexpr std::size_t kMostGrowth = 2;
 
 absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
   return MakeError(absl::StatusCode::kInvalidArgument, std::move(message),
@@ -37,8 +37,10 @@ absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string 
 
 class SurfaceCleaner {
  public:
-  SurfaceCleaner(const std::vector<Feature>& features, const SurfaceCleanOptions& options)
-      : features_(features), options_(options), surface_(options.tolerance) {}
+  // Polygons are flat within `flat`.
+  SurfaceCleaner(const std::vector<Feature>& features, const SurfaceCleanOptions& options,
+                 double flat)
+      : features_(features), options_(options), flat_(flat), surface_(options.tolerance) {}
 
   absl::StatusOr<SurfaceCleanResult> Run() {
     if (auto status = Enter(); !status.ok()) return status;
@@ -172,7 +174,7 @@ class SurfaceCleaner {
       count += own.size() == nodes.size() ? 0 : 1;  // a ring through a corner twice
       if (nodes.size() < 3) polygon.rings.pop_back();
     }
-    const PolygonPieces pieces = PiecesOf(surface_, polygon.rings, kFlat * options_.tolerance);
+    const PolygonPieces pieces = PiecesOf(surface_, polygon.rings, flat_);
     polygon.pieces = pieces.triangles.size();
     polygon.may_stay = pieces.is_regular && pieces.is_flat && count == 0 &&
                        (options_.holes || polygon.rings.size() == 1);
@@ -333,6 +335,7 @@ class SurfaceCleaner {
 
   const std::vector<Feature>& features_;
   const SurfaceCleanOptions& options_;
+  const double flat_;
   Surface surface_;
   absl::flat_hash_map<FeatureId, Node> node_of_;
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
@@ -373,7 +376,8 @@ absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& fea
                                                  const SurfaceCleanOptions& options) {
   SurfaceCleanOptions wider = options;
   for (int doublings = 0;; ++doublings) {
-    absl::StatusOr<SurfaceCleanResult> result = SurfaceCleaner(features, wider).Run();
+    absl::StatusOr<SurfaceCleanResult> result =
+        SurfaceCleaner(features, wider, kFlat * options.tolerance).Run();
     if (!absl::IsAborted(result.status())) return result;
     if (doublings == options.max_doublings) {
       return absl::ResourceExhaustedError(Concat("up to the tolerance ", wider.tolerance, ": ",

@@ -8,10 +8,9 @@
 //
 // With T the tolerance, in the result any two points are at least T apart; no point is nearer than
 // T / 4 to an edge or a face that does not end there; edges that do not meet are T / 2 apart;
-// no two edges cross, no edge passes through a face, and no two faces overlap or meet at less than
-// 1.4e-6. Each single change moves points, edges and faces by less than T, except where faces meet
-// at less than that angle: there by up to 1e-5 times the length of an edge. A result that is
-// cleaned again is not changed. Angles are as small as the input makes them.
+// no two edges cross, no edge passes through a face, and no two faces overlap. Each single change
+// moves points, edges and faces by less than T. A result that is cleaned again is not changed.
+// Angles are as small as the input makes them.
 //
 // Where repairs undo each other, at places some tolerances apart, all is done anew with T doubled.
 //

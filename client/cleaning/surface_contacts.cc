@@ -19,9 +19,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Rational = CGAL::Exact_rational;
 
-// The cosine of an angle between faces that a mesh takes for an overlap, and a margin.
-constexpr double kOverlap = 1 - 1e-12;
-
 int Orientation(const Point& a, const Point& b, const Point& c) {
   return CGAL::orientation(Kernel::Point_2(a[0], a[1]), Kernel::Point_2(b[0], b[1]),
                            Kernel::Point_2(c[0], c[1]));
@@ -134,13 +131,13 @@ class Search {
   }
 
   // Where two edges without a common end meet.
-  std::optional<Point3> Meeting(NodePair e, NodePair f, double reach) const {
+  std::optional<Point3> Meeting(NodePair e, NodePair f) const {
     if (f < e) std::swap(e, f);
     if (e.first == f.first || e.first == f.second || e.second == f.first || e.second == f.second) {
       return std::nullopt;
     }
     const Point3 &a = at(e.first), &b = at(e.second), &c = at(f.first), &d = at(f.second);
-    if (!BoxOf({&a, &b}, reach).Meets(BoxOf({&c, &d}, 0))) return std::nullopt;
+    if (!BoxOf({&a, &b}, reach_).Meets(BoxOf({&c, &d}, 0))) return std::nullopt;
     const Point3 u = Minus(b, a), w = Minus(d, c), r = Minus(c, a);
     const double uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w);
     const Point3 n = Cross(u, w);
@@ -154,7 +151,7 @@ class Search {
     s = (t * uw + Dot(r, u)) / uu;
     if (!(s > 0 && s < 1)) return std::nullopt;
     const Point3 x = Along(a, s, u), y = Along(c, t, w);
-    if (!(SquaredDistance<3>(x, y) < reach * reach)) return std::nullopt;
+    if (!(SquaredDistance<3>(x, y) < reach_ * reach_)) return std::nullopt;
     if (const auto exact = ExactMeeting(a, b, c, d, AxisOf(n))) return exact;
     return Point3{(x[0] + y[0]) / 2, (x[1] + y[1]) / 2, (x[2] + y[2]) / 2};
   }
@@ -213,7 +210,7 @@ class Search {
     for (int k = 0; k < s.edge_count(); ++k) {
       for (int l = 0; l < t.edge_count(); ++l) {
         const NodePair e = s.Edge(k), f = t.Edge(l);
-        const auto place = Meeting(e, f, reach_);
+        const auto place = Meeting(e, f);
         if (!place || IsBeside(e.first, f) || IsBeside(e.second, f) || IsBeside(f.first, e) ||
             IsBeside(f.second, e)) {
           continue;
@@ -284,74 +281,6 @@ class Search {
   std::vector<Shape> shapes_;
 };
 
-// Faces with a common edge at an angle that a mesh takes for an overlap.
-class Overlaps {
- public:
-  Overlaps(const Surface& surface, const Search& search, Contacts& contacts)
-      : surface_(surface), search_(search), contacts_(contacts) {}
-
-  void Find(const Surface::EdgeMap& edges) {
-    for (const auto& [edge, simplices] : edges) {
-      for (std::size_t i = 0; i < simplices.size(); ++i) {
-        for (std::size_t j = i + 1; j < simplices.size(); ++j) {
-          if (!search_.IsNew(simplices[i]) && !search_.IsNew(simplices[j])) continue;
-          if (IsFace(simplices[i]) && IsFace(simplices[j])) {
-            Judge(edge, simplices[i], simplices[j]);
-          }
-        }
-      }
-    }
-  }
-
- private:
-  bool IsFace(std::uint32_t i) const { return surface_.simplices[i].size == 3; }
-
-  Node Apex(NodePair edge, std::uint32_t i) const {
-    const auto& v = surface_.simplices[i].v;
-    return *std::find_if(v.begin(), v.end(),
-                         [&](Node n) { return n != edge.first && n != edge.second; });
-  }
-
-  int CornerOf(std::uint32_t i, Node n) const {
-    const auto& v = surface_.simplices[i].v;
-    return kFirstCorner + static_cast<int>(std::find(v.begin(), v.end(), n) - v.begin());
-  }
-
-  Point3 Inward(NodePair edge, Node apex) const {
-    const Point3& a = surface_.at(edge.first);
-    const Point3 d = Minus(surface_.at(edge.second), a), w = Minus(surface_.at(apex), a);
-    Point3 inward = Cross(Cross(d, w), d);
-    const double length = std::sqrt(Dot(inward, inward));
-    for (double& x : inward) x /= length;
-    return inward;
-  }
-
-  void Judge(NodePair edge, std::uint32_t i, std::uint32_t j) {
-    const Node c = Apex(edge, i), d = Apex(edge, j);
-    if (c == d || !(Dot(Inward(edge, c), Inward(edge, d)) > kOverlap)) return;
-    if (IsOver(surface_, surface_.simplices[j], surface_.at(c))) {
-      contacts_.pairs.push_back({i, j, CornerOf(i, c), kFaceItself, surface_.at(c), c});
-      return;
-    }
-    if (IsOver(surface_, surface_.simplices[i], surface_.at(d))) {
-      contacts_.pairs.push_back({i, j, kFaceItself, CornerOf(j, d), surface_.at(d), d});
-      return;
-    }
-    for (int k = 0; k < 3; ++k) {
-      for (int l = 0; l < 3; ++l) {
-        const NodePair e = surface_.simplices[i].Edge(k), f = surface_.simplices[j].Edge(l);
-        const Point3 along = Minus(surface_.at(e.second), surface_.at(e.first));
-        const auto place = search_.Meeting(e, f, 1e-5 * std::sqrt(Dot(along, along)));
-        if (place) contacts_.pairs.push_back({i, j, k, l, *place, 0});
-      }
-    }
-  }
-
-  const Surface& surface_;
-  const Search& search_;
-  Contacts& contacts_;
-};
-
 }  // namespace
 
 FaceView ViewOf(const Surface& surface, const Simplex& face) {
@@ -395,8 +324,7 @@ bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
   return false;
 }
 
-Contacts FindContacts(const Surface& surface, const Surface::EdgeMap& edges, int since,
-                      std::size_t most) {
+Contacts FindContacts(const Surface& surface, int since, std::size_t most) {
   Contacts contacts;
   const Search search(surface, since);
   search.VisitPairs([&](std::uint32_t i, std::uint32_t j) {
@@ -413,7 +341,6 @@ Contacts FindContacts(const Surface& surface, const Surface::EdgeMap& edges, int
       if (search.IsBeside(v, s.Edge(k))) contacts.thin.push_back({s.Edge(k), v});
     }
   }
-  Overlaps(surface, search, contacts).Find(edges);
   return contacts;
 }
 

@@ -1,9 +1,8 @@
 // Where the simplices of a surface touch and cross: the search of a round of cleaning.
 //
-// They touch where a node is on an edge or a face, within half the tolerance, and where an edge or
-// a face leads away from another at an angle too small for a mesh. They cross where two edges meet,
-// within half the tolerance, and where an edge passes through a face: that is decided exactly, and
-// constructed exactly, rounded once. So is the meeting of two edges in a plane.
+// They touch where a node is on an edge or a face, within half the tolerance. They cross where two
+// edges meet, within half the tolerance, and where an edge passes through a face: that is decided
+// exactly, and constructed exactly, rounded once. So is the meeting of two edges in a plane.
 //
 // Candidates come from a tree of boxes. Pure, thread-safe. Expected O(n lg n) for n simplices, if
 // each is near a bounded number of others.
@@ -54,8 +53,7 @@ struct Contacts {
 };
 
 // Of which one simplex has born >= `since`.
-Contacts FindContacts(const Surface& surface, const Surface::EdgeMap& edges, int since,
-                      std::size_t most);
+Contacts FindContacts(const Surface& surface, int since, std::size_t most);
 
 // Are the corners of one nearly in the plane of the other? REQUIRES: two faces.
 bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t);

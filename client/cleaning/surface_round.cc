@@ -56,7 +56,7 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   concerned_.clear();
   told_.clear();
   edges_ = surface_.EdgesOf();
-  Contacts contacts = FindContacts(surface_, edges_, seen_, max_crossings_);
+  Contacts contacts = FindContacts(surface_, seen_, max_crossings_);
   if (contacts.pairs.empty() && contacts.thin.empty()) return false;
   seen_ = surface_.round;
   if (contacts.is_cut_off) {
