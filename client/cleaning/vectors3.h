@@ -21,8 +21,8 @@ inline double Dot(const Point3& a, const Point3& b) {
 inline Point3 Cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-// The axis of the greatest component; of nearly equal ones the first, so that triangles in one plane
-// mostly have one axis, however they are rounded.
+// The axis of the greatest component; of nearly equal ones the first, so that triangles in one
+// plane mostly have one axis, however they are rounded.
 inline std::size_t AxisOf(const Point3& v) {
   std::size_t axis = 0;
   for (std::size_t i = 1; i < 3; ++i) {

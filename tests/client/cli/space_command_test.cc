@@ -385,7 +385,8 @@ TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
     const Outcome refused = Run("mesh " + name);
     EXPECT_NE(refused.code, 0);
     EXPECT_NE(refused.err.find(name + ": "), std::string::npos) << refused.err;
-    EXPECT_NE(refused.err.find(".smesh, .off, .stl, .obj or .ply"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(".smesh, .off, .stl, .obj or .ply"), std::string::npos)
+        << refused.err;
   }
 }
 
