@@ -63,8 +63,8 @@ std::pair<Node, Node> LineGraph::Ordered(const Edge& e) const {
 }
 
 bool LineGraph::IsShorter(Node a, Node b, const Edge& than) const {
-  const double length2 = SquaredDistance(nodes.at(a), nodes.at(b));
-  const double than2 = SquaredDistance(nodes.at(than.a), nodes.at(than.b));
+  const double length2 = SquaredDistance<2>(nodes.at(a), nodes.at(b));
+  const double than2 = SquaredDistance<2>(nodes.at(than.a), nodes.at(than.b));
   if (length2 != than2) return length2 < than2;
   return std::minmax(nodes.at(a), nodes.at(b)) < std::minmax(nodes.at(than.a), nodes.at(than.b));
 }

@@ -4,35 +4,39 @@
 
 namespace dynmesh::cleaning {
 
-double SquaredDistance(const Point& a, const Point& b) {
-  const double dx = a[0] - b[0], dy = a[1] - b[1];
-  return dx * dx + dy * dy;
+template <std::size_t D>
+typename NodeTableOf<D>::Cell NodeTableOf<D>::CellOf(const Point& p) const {
+  Cell cell;
+  for (std::size_t i = 0; i < D; ++i) {
+    cell[i] = static_cast<std::int64_t>(std::floor(p[i] / tolerance_));
+  }
+  return cell;
 }
 
-NodeTable::Cell NodeTable::CellOf(const Point& p) const {
-  return {static_cast<std::int64_t>(std::floor(p[0] / tolerance_)),
-          static_cast<std::int64_t>(std::floor(p[1] / tolerance_))};
-}
-
-std::optional<Node> NodeTable::Near(const Point& p) const {
+template <std::size_t D>
+std::optional<Node> NodeTableOf<D>::Near(const Point& p) const {
   std::optional<Node> best;
   double least = tolerance_ * tolerance_;
   const Cell middle = CellOf(p);
-  for (std::int64_t x = middle.first - 1; x <= middle.first + 1; ++x) {
-    for (std::int64_t y = middle.second - 1; y <= middle.second + 1; ++y) {
-      const auto it = first_.find({x, y});
-      for (Node v = it == first_.end() ? kNone : it->second; v != kNone; v = next_[v]) {
-        const double distance = SquaredDistance(p, points_[v]);
-        if (distance > least || (distance == least && !(best && v < *best))) continue;
-        least = distance;
-        best = v;
-      }
+  constexpr std::size_t kCells = D == 2 ? 9 : 27;  // the middle one and all around it
+  for (std::size_t c = 0; c < kCells; ++c) {
+    Cell cell = middle;
+    for (std::size_t i = 0, digits = c; i < D; ++i, digits /= 3) {
+      cell[i] += static_cast<std::int64_t>(digits % 3) - 1;
+    }
+    const auto it = first_.find(cell);
+    for (Node v = it == first_.end() ? kNone : it->second; v != kNone; v = next_[v]) {
+      const double distance = SquaredDistance<D>(p, points_[v]);
+      if (distance > least || (distance == least && !(best && v < *best))) continue;
+      least = distance;
+      best = v;
     }
   }
   return best;
 }
 
-Node NodeTable::Add(const Point& p) {
+template <std::size_t D>
+Node NodeTableOf<D>::Add(const Point& p) {
   const auto v = static_cast<Node>(points_.size());
   points_.push_back(p);
   const auto [it, is_new] = first_.try_emplace(CellOf(p), kNone);
@@ -40,5 +44,8 @@ Node NodeTable::Add(const Point& p) {
   it->second = v;
   return v;
 }
+
+template class NodeTableOf<2>;
+template class NodeTableOf<3>;
 
 }  // namespace dynmesh::cleaning

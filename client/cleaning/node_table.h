@@ -1,7 +1,7 @@
 // The positions of the cleaned input's points: no two are nearer than the tolerance. Nodes are
 // only added, and only finitely many fit into the input's box.
 //
-// Thread-compatible. Expected O(1) per operation.
+// In 2D, or in 3D for surfaces. Thread-compatible. Expected O(1) per operation.
 #ifndef DYNMESH_CLIENT_CLEANING_NODE_TABLE_H_
 #define DYNMESH_CLIENT_CLEANING_NODE_TABLE_H_
 
@@ -16,15 +16,27 @@
 
 namespace dynmesh::cleaning {
 
-using Point = std::array<double, 2>;  // < is lexicographic
+template <std::size_t D>
+using PointOf = std::array<double, D>;  // < is lexicographic
+using Point = PointOf<2>;
+using Point3 = PointOf<3>;
 using Node = std::uint32_t;
+using NodePair = std::pair<Node, Node>;  // first < second
 
 // Symmetric to the bit.
-double SquaredDistance(const Point& a, const Point& b);
+template <std::size_t D>
+double SquaredDistance(const PointOf<D>& a, const PointOf<D>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < D; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
 
-class NodeTable {
+template <std::size_t D>
+class NodeTableOf {
  public:
-  explicit NodeTable(double tolerance) : tolerance_(tolerance) {}
+  using Point = PointOf<D>;
+
+  explicit NodeTableOf(double tolerance) : tolerance_(tolerance) {}
 
   // The node nearest to p within the tolerance; the oldest one of several.
   std::optional<Node> Near(const Point& p) const;
@@ -36,7 +48,7 @@ class NodeTable {
   double tolerance() const { return tolerance_; }
 
  private:
-  using Cell = std::pair<std::int64_t, std::int64_t>;  // squares with the tolerance as side
+  using Cell = std::array<std::int64_t, D>;  // squares or cubes with the tolerance as side
   Cell CellOf(const Point& p) const;
   static constexpr Node kNone = ~Node{0};
 
@@ -45,6 +57,11 @@ class NodeTable {
   std::vector<Node> next_;  // the next node in the same cell
   absl::flat_hash_map<Cell, Node> first_;
 };
+
+using NodeTable = NodeTableOf<2>;
+using NodeTable3 = NodeTableOf<3>;
+extern template class NodeTableOf<2>;
+extern template class NodeTableOf<3>;
 
 }  // namespace dynmesh::cleaning
 

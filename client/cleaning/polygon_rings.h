@@ -15,7 +15,6 @@
 namespace dynmesh::cleaning {
 
 using NodeRing = std::vector<Node>;
-using NodePair = std::pair<Node, Node>;  // first < second
 
 struct RemadeRings {
   // In the order of the rings that they come from. A ring with all its edges left is unchanged.

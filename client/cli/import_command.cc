@@ -1,4 +1,5 @@
 // dynmesh import INPUT -o OUT: converts any input to .poly or an edit script, cleaned on request.
+// Of 3D input: import_surface.h.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cleaning/clean_input.h"
 #include "client/cli/command.h"
+#include "client/cli/import_surface.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
@@ -165,12 +167,13 @@ absl::Status CheckInside(const Input& input) {
   const Box& box = input.options.box;
   for (const Feature& f : input.features) {
     if (f.kind != FeatureKind::kPoint) continue;
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(input.options.dimension); ++i) {
       if (f.position[i] >= box.lo[i] && f.position[i] <= box.hi[i]) continue;
       const std::string place = input.where(f.id);
-      return absl::InvalidArgumentError(Concat(place, place.empty() ? "" : ": ", "point ", f.id,
-                                               " at (", f.position[0], ", ", f.position[1],
-                                               ") is outside --box; give a larger box"));
+      return absl::InvalidArgumentError(
+          Concat(place, place.empty() ? "" : ": ", "point ", f.id, " at (", f.position[0], ", ",
+                 f.position[1], input.options.dimension == 3 ? Concat(", ", f.position[2]) : "",
+                 ") is outside --box; give a larger box"));
     }
   }
   return absl::OkStatus();
@@ -244,25 +247,30 @@ absl::Status MarkSeeds(bool cleaned, Input& input, std::vector<Feature>& feature
 }
 
 int Run(const ImportCommand& command) {
-  const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
-  if (!kind.ok()) return ReportError(kind.status());
   if (command.tolerance && !command.clean) {
     return ReportError(absl::InvalidArgumentError("--tolerance needs --clean"));
   }
   InputFlags reading;
   reading.polygons = command.polygons;
+  if (command.clean) reading.faces = io::FaceRules::kAsTheyCome;
   ProgressBar bar(ErrorIsTerminal());
   bar.Show(0, 0, Concat("reading ", command.input));
   absl::StatusOr<Input> input = LoadInput(command.input, reading);
   bar.End();
   if (!input.ok()) return ReportError(input.status());
-  if (auto status = ExpectPlanar(*input, command.input); !status.ok()) return ReportError(status);
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   if (!command.box.empty()) {
     const absl::Status given = ApplyBoxFlag(command.box, input->options);
     if (!given.ok()) return ReportError(given);
     if (const absl::Status status = CheckInside(*input); !status.ok()) return ReportError(status);
   }
+  if (input->options.dimension == 3) {
+    return ImportSurface(
+        {command.input, command.output, command.tolerance, command.clean, command.json},
+        *std::move(input));
+  }
+  const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
+  if (!kind.ok()) return ReportError(kind.status());
   Summary summary;
   CleanResult result;
   if (command.clean) {
@@ -313,10 +321,11 @@ int Run(const ImportCommand& command) {
 void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
   auto command = std::make_shared<ImportCommand>();
   CLI::App* const sub =
-      AddCommand(app, slot, "import", "Read a map or other input, clean it, write it",
+      AddCommand(app, slot, "import", "Read a map, a surface or other input, clean it, write it",
                  [command] { return Run(*command); });
-  sub->add_option("INPUT", command->input, kInputKinds)->required();
-  sub->add_option("-o,--output", command->output, "Where to: .poly, or .dynmesh (an edit script)")
+  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
+  sub->add_option("-o,--output", command->output,
+                  "Where to: .poly, or .dynmesh (an edit script); of 3D input also .smesh or .off")
       ->required()
       ->type_name("OUT");
   sub->add_flag("--clean", command->clean,
@@ -324,8 +333,9 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--polygons", command->polygons,
                 "Polygons of a map become polygon features, not segments");
   sub->add_option("--tolerance", command->tolerance,
-                  "Points nearer to each other than this are merged (default: 4 times what a mesh "
-                  "refuses as too close)")
+                  "Points nearer to each other than this are merged (default: 4 times, in 3D 8 "
+                  "times, what a "
+                  "mesh refuses as too close)")
       ->type_name("T");
   AddBoxFlag(*sub, command->box);
   sub->add_flag("--json", command->json,

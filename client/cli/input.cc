@@ -259,10 +259,10 @@ bool IsMap(const std::string& path) {
 
 // Extensions of geometry and meshes that cannot be read: not to be taken for edit scripts.
 bool IsOtherGeometry(std::string_view extension) {
-  constexpr std::array<std::string_view, 30> kKinds = {
-      ".3ds", ".3mf", ".bdf",  ".brep", ".cdb",    ".cgns", ".dae",  ".dxf",  ".e",   ".edge",
-      ".ele", ".exo", ".face", ".fbx",  ".geo",    ".glb",  ".gltf", ".iges", ".igs", ".inp",
-      ".med", ".nas", ".ply",  ".shp",  ".sldprt", ".step", ".stp",  ".unv",  ".vtk", ".vtp"};
+  constexpr std::array<std::string_view, 29> kKinds = {
+      ".3ds", ".3mf", ".bdf",  ".brep",   ".cdb",  ".cgns", ".dae",  ".dxf",  ".e",   ".edge",
+      ".ele", ".exo", ".face", ".fbx",    ".geo",  ".glb",  ".gltf", ".iges", ".igs", ".inp",
+      ".med", ".nas", ".shp",  ".sldprt", ".step", ".stp",  ".unv",  ".vtk",  ".vtp"};
   return std::find(kKinds.begin(), kKinds.end(), extension) != kKinds.end();
 }
 
@@ -292,12 +292,6 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Polygons of a map become polygon features, not segments");
 }
 
-absl::Status ExpectPlanar(const Input& input, const std::string& path) {
-  if (input.options.dimension == 2) return absl::OkStatus();
-  return absl::UnimplementedError(
-      Concat(path, ": input of 3 dimensions is not supported here yet in this version"));
-}
-
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   const std::string extension = io::ExtensionOf(path);
   if (flags.polygons && !IsMap(path)) {
@@ -305,11 +299,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
         Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
   }
   if (flags.refine || io::IsElementFile(path)) return FromElements(path, flags);
-  using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
+  using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&, io::FaceRules);
   const std::map<std::string, Read> in_space = {
-      {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},
-      {".smesh", io::ReadSmeshFile},    {".off", io::ReadOffFile},
-      {".stl", io::ReadStlFile},        {".obj", io::ReadObjFile}};
+      {".poly", io::ReadSpacePolyFile}, {".smesh", io::ReadSmeshFile}, {".off", io::ReadOffFile},
+      {".stl", io::ReadStlFile},        {".obj", io::ReadObjFile},     {".ply", io::ReadPlyFile}};
   if (extension == ".node" || extension == ".poly") {
     absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
@@ -320,8 +313,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     // The 2D readers report 3D files so.
     if (!absl::IsUnimplemented(planar.status())) return planar.status();
   }
-  if (const auto read = in_space.find(extension); read != in_space.end()) {
-    absl::StatusOr<io::FileFeatures> file = read->second(path);
+  const auto read = in_space.find(extension);
+  if (read != in_space.end() || extension == ".node") {
+    absl::StatusOr<io::FileFeatures> file =
+        extension == ".node" ? io::ReadSpaceNodeFile(path) : read->second(path, flags.faces);
     if (!file.ok()) return file.status();
     return FromSpace(*std::move(file), path, flags);
   }

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/common/file_features.h"
+#include "core/io/space/face_rules.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -44,28 +45,27 @@ struct Input {
 struct InputFlags {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
-  bool polygons = false;  // a map's polygons become polygon features
-  bool refine = false;    // the input is a mesh whose vertices become points
+  bool polygons = false;                         // a map's polygons become polygon features
+  bool refine = false;                           // the input is a mesh whose vertices become points
+  io::FaceRules faces = io::FaceRules::kStrict;  // of surface files
 };
 // --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
-// Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl and .obj;
+// Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl, .obj and
+// .ply;
 // .msh, .mesh and .vtu (lines, triangles and borders of a mesh; core/io/elements);
 // .geojson, .topojson, .json (either of both). Any extension that is not a known kind of geometry
 // is an edit script; its last revision counts. `options` has the dimension. Errors as `file:line:
 // ...`.
-inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
-    ".stl or .obj; of 2D and 3D meshes .msh, .mesh or .vtu";
+    ".stl, .obj or .ply; of 2D and 3D meshes .msh, .mesh or .vtu";
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
 // The same for the value of `flag`, the input of a mesh: INVALID_ARGUMENT if it has another
 // dimension than that.
 absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path, int dimension,
                                       const InputFlags& flags = {});
-// UNIMPLEMENTED for 3D features, for commands that support 2D only.
-absl::Status ExpectPlanar(const Input& input, const std::string& path);
 
 // Appends a polygon for each hole, then for each region: the face of the segments that contains its
 // seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is

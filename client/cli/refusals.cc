@@ -56,6 +56,25 @@ class Remaining {
   std::vector<Feature> features_;
 };
 
+Refusals Find(absl::Status status, const DynamicMesh& mesh, const std::vector<Feature>& features,
+              std::size_t most_work) {
+  Refusals refusals;
+  Remaining remaining(features);
+  std::size_t work = 0;
+  while (!status.ok()) {
+    const std::optional<ErrorDetail> found = GetErrorDetail(status);
+    ++refusals.count;
+    ++refusals.by_reason[found ? found->reason : "OTHER"];
+    if (refusals.count <= kMostTold) refusals.first.push_back(status);
+    refusals.is_complete = false;
+    if (work >= most_work || !found || !remaining.LeaveOut(found->features)) break;
+    work += remaining.features().size() + 1;
+    status = mesh.Validate(AddAll(remaining.features()));
+    refusals.is_complete = status.ok();
+  }
+  return refusals;
+}
+
 std::size_t CountPolygons(const std::vector<Feature>& features) {
   return static_cast<std::size_t>(
       std::ranges::count(features, FeatureKind::kPolygon, &Feature::kind));
@@ -74,26 +93,29 @@ void AdviseMerging(const Input& input, const DynamicMesh& mesh) {
 
 }  // namespace
 
+Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options,
+                      std::size_t most_work) {
+  const absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
+  const absl::Status status = mesh.ok() ? (*mesh)->Validate(AddAll(features)) : mesh.status();
+  if (status.ok()) return {};
+  if (!mesh.ok()) return {1, {{"OTHER", 1}}, {status}, true};
+  return Find(status, **mesh, features, most_work);
+}
+
 int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged) {
   const int code = ReportError(Locate(first, input.where));
   const std::optional<ErrorDetail> detail = GetErrorDetail(first);
   if (!detail || detail->features.empty()) return code;
   absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(input.options);
   if (!mesh.ok()) return code;
-  Remaining remaining(input.features);
-  absl::Status status = first;
-  std::size_t count = 1, work = 0;
-  while (work < kMostWork) {
-    const std::optional<ErrorDetail> found = GetErrorDetail(status);
-    if (!found || !remaining.LeaveOut(found->features)) break;
-    work += remaining.features().size() + 1;
-    status = (*mesh)->Validate(AddAll(remaining.features()));
-    if (status.ok()) break;
-    if (++count <= kMostTold) ReportError(Locate(status, input.where));
+  const Refusals refusals = Find(first, **mesh, input.features, kMostWork);
+  for (std::size_t i = 1; i < refusals.first.size(); ++i) {
+    ReportError(Locate(refusals.first[i], input.where));
   }
-  if (count > 1) {
-    PrintWarning(Concat(status.ok() ? "" : "at least ", count, " refusals",
-                        count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
+  if (refusals.count > 1) {
+    PrintWarning(
+        Concat(refusals.is_complete ? "" : "at least ", refusals.count, " refusals",
+               refusals.count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
   }
   if (input.options.dimension == 3 && !is_merged) AdviseMerging(input, **mesh);
   return code;

@@ -2,6 +2,8 @@
 #ifndef DYNMESH_CLIENT_CLI_REFUSALS_H_
 #define DYNMESH_CLIENT_CLI_REFUSALS_H_
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,17 @@
 #include "client/cli/input.h"
 
 namespace dynmesh::cli {
+
+// What a mesh refuses, found by leaving out, again and again, what is to blame.
+struct Refusals {
+  std::size_t count = 0;
+  std::map<std::string, std::size_t> by_reason;  // of dynmesh/error.h
+  std::vector<absl::Status> first;               // some of them
+  bool is_complete = true;                       // else there are more: it took too long
+};
+// `most_work` bounds the time: features looked at.
+Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options,
+                      std::size_t most_work);
 
 // Reports `first`, the refusal of `input` by a mesh with its options, then as many others as are
 // found by leaving out, again and again, what is to blame: the first ten are told, all are counted

@@ -27,6 +27,9 @@ constexpr Target kTargets[] = {
     {"space_input", &FuzzSpaceInput},
     {"elements", &FuzzElements},
     {"sizes", &FuzzSizes},
+#ifdef DYNMESH_FUZZ_SURFACES
+    {"surfaces", &FuzzSurfaces},
+#endif
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif

@@ -83,7 +83,7 @@ std::string FuzzSpaceInput(std::string_view bytes) {
   for (const auto& input :
        {io::ParseSpacePolyText(first(), open_nodes), io::ParseSmeshText(first(), open_nodes),
         io::ParseSpaceNodeText(whole()), io::ParseOffText(whole()), io::ParseStlText(whole()),
-        io::ParseObjText(whole())}) {
+        io::ParseObjText(whole()), io::ParsePlyText(whole())}) {
     if (std::string problem = Check(input); !problem.empty()) return problem;
   }
   return "";

@@ -26,8 +26,12 @@ std::string FuzzSpaceInput(std::string_view bytes);
 // features in order, and a mesh to be measured.
 std::string FuzzElements(std::string_view bytes);
 
-// Target lengths, tried as `.asc`, `.npy`, `.pos` and `.mtr`. If they parse, they must become sizing
-// features in order.
+// Faces on a lattice, or slightly beside it, packed, as a surface that is cleaned. An exact oracle
+// must find no fault, cleaning again and another order change nothing.
+std::string FuzzSurfaces(std::string_view bytes);
+
+// Target lengths, tried as `.asc`, `.npy`, `.pos` and `.mtr`. If they parse, they must become
+// sizing features in order.
 std::string FuzzSizes(std::string_view bytes);
 
 // A mesh as `.node`, `.ele`, `.edge` and `.face` files with lines `---` between them. If it parses,

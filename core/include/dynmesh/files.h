@@ -36,10 +36,10 @@ struct FileInput {
 };
 
 // Reads the file at `path` by its extension: .node, .poly, .smesh (Triangle, TetGen), .off, .stl,
-// .obj, .msh, .mesh, .vtu (curves, surfaces and borders of a mesh), .dynmesh (an edit script: the
-// features after its last line). If `merge_coplanar`, faces of 3D input in one plane are joined.
-// Errors: INVALID_ARGUMENT as "file:line: what is wrong", also for another extension; NOT_FOUND and
-// the like if the file cannot be read. O(n lg n) for n lines.
+// .obj, .ply, .msh, .mesh, .vtu (curves, surfaces and borders of a mesh), .dynmesh (an edit script:
+// the features after its last line). If `merge_coplanar`, faces of 3D input in one plane are
+// joined. Errors: INVALID_ARGUMENT as "file:line: what is wrong", also for another extension;
+// NOT_FOUND and the like if the file cannot be read. O(n lg n) for n lines.
 absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar = false);
 
 // What closed outlines (in 3D surfaces) enclose of the whole `mesh`, without the parts that contain

@@ -47,10 +47,11 @@ absl::StatusOr<io::FileFeatures> ReadFeatures(const std::string& path, int* dime
   if (extension == ".off") return io::ReadOffFile(path);
   if (extension == ".stl") return io::ReadStlFile(path);
   if (extension == ".obj") return io::ReadObjFile(path);
+  if (extension == ".ply") return io::ReadPlyFile(path);
   return absl::InvalidArgumentError(
       Concat(path,
-             ": the extension must be .node, .poly, .smesh, .off, .stl, .obj, .msh, .mesh, "
-             ".vtu or .dynmesh"));
+             ": the extension must be .node, .poly, .smesh, .off, .stl, .obj, .ply, .msh, "
+             ".mesh, .vtu or .dynmesh"));
 }
 
 absl::StatusOr<FileInput> ReadScript(const std::string& path) {

@@ -77,18 +77,18 @@ absl::Status ReadElement(const TextReader& obj, SurfaceWork& work) {
 
 }  // namespace
 
-absl::StatusOr<FileFeatures> ParseObjText(TextReader obj) {
-  SurfaceWork work(obj.name(), 1);
+absl::StatusOr<FileFeatures> ParseObjText(TextReader obj, FaceRules rules) {
+  SurfaceWork work(obj.name(), 1, rules);
   while (obj.Next()) {
     if (auto s = ReadElement(obj, work); !s.ok()) return s;
   }
   return work.Take();
 }
 
-absl::StatusOr<FileFeatures> ReadObjFile(const std::string& path) {
+absl::StatusOr<FileFeatures> ReadObjFile(const std::string& path, FaceRules rules) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  return ParseObjText(*std::move(reader));
+  return ParseObjText(*std::move(reader), rules);
 }
 
 }  // namespace dynmesh::io

@@ -69,7 +69,7 @@ absl::Status ReadFaces(TextReader& off, std::uint64_t count, SurfaceWork& work) 
 
 }  // namespace
 
-absl::StatusOr<FileFeatures> ParseOffText(TextReader off) {
+absl::StatusOr<FileFeatures> ParseOffText(TextReader off, FaceRules rules) {
   const absl::StatusOr<std::size_t> first = ReadHeader(off);
   if (!first.ok()) return first.status();
   const auto vertices = off.Uint64(*first, "the number of vertices");
@@ -82,17 +82,17 @@ absl::StatusOr<FileFeatures> ParseOffText(TextReader off) {
   if (*vertices >= std::numeric_limits<std::uint32_t>::max()) {
     return off.Error(Concat(*vertices, " vertices are more than 2^32 - 2"));
   }
-  SurfaceWork work(off.name(), 0);
+  SurfaceWork work(off.name(), 0, rules);
   if (auto s = ReadVertices(off, *vertices, work); !s.ok()) return s;
   if (auto s = ReadFaces(off, *faces, work); !s.ok()) return s;
   if (auto s = ExpectEnd(off); !s.ok()) return s;
   return work.Take();
 }
 
-absl::StatusOr<FileFeatures> ReadOffFile(const std::string& path) {
+absl::StatusOr<FileFeatures> ReadOffFile(const std::string& path, FaceRules rules) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  return ParseOffText(*std::move(reader));
+  return ParseOffText(*std::move(reader), rules);
 }
 
 }  // namespace dynmesh::io

@@ -126,14 +126,14 @@ absl::Status AddFacet(const Facet& facet, const std::string& file, SurfaceWork& 
 
 template <class ReadFacets>
 absl::StatusOr<FileFeatures> Parse(TextReader& reader, const OpenNodes& open_nodes,
-                                   ReadFacets read_facets) {
+                                   ReadFacets read_facets, FaceRules rules) {
   FileFeatures points;
   const absl::StatusOr<NodeSection> nodes = ReadPointsOfPoly(reader, 3, open_nodes, points);
   if (!nodes.ok()) return nodes.status();
   const absl::StatusOr<std::vector<Facet>> facets = read_facets(reader, *nodes);
   if (!facets.ok()) return facets.status();
   if (auto s = ReadSeedSections(reader, 3, points); !s.ok()) return s;
-  SurfaceWork work(reader.name(), nodes->base);
+  SurfaceWork work(reader.name(), nodes->base, rules);
   work.StartFrom(std::move(points));
   for (const Facet& facet : *facets) {
     if (auto s = AddFacet(facet, reader.name(), work); !s.ok()) return s;
@@ -145,12 +145,14 @@ absl::StatusOr<FileFeatures> Parse(TextReader& reader, const OpenNodes& open_nod
 
 absl::StatusOr<FileFeatures> ParseSpaceNodeText(TextReader nodes) { return ParsePoints(nodes, 3); }
 
-absl::StatusOr<FileFeatures> ParseSpacePolyText(TextReader poly, const OpenNodes& open_nodes) {
-  return Parse(poly, open_nodes, ReadPolyFacets);
+absl::StatusOr<FileFeatures> ParseSpacePolyText(TextReader poly, const OpenNodes& open_nodes,
+                                                FaceRules rules) {
+  return Parse(poly, open_nodes, ReadPolyFacets, rules);
 }
 
-absl::StatusOr<FileFeatures> ParseSmeshText(TextReader smesh, const OpenNodes& open_nodes) {
-  return Parse(smesh, open_nodes, ReadSmeshFacets);
+absl::StatusOr<FileFeatures> ParseSmeshText(TextReader smesh, const OpenNodes& open_nodes,
+                                            FaceRules rules) {
+  return Parse(smesh, open_nodes, ReadSmeshFacets, rules);
 }
 
 absl::StatusOr<FileFeatures> ReadSpaceNodeFile(const std::string& path) {
@@ -159,16 +161,16 @@ absl::StatusOr<FileFeatures> ReadSpaceNodeFile(const std::string& path) {
   return ParseSpaceNodeText(*std::move(reader));
 }
 
-absl::StatusOr<FileFeatures> ReadSpacePolyFile(const std::string& path) {
+absl::StatusOr<FileFeatures> ReadSpacePolyFile(const std::string& path, FaceRules rules) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  return ParseSpacePolyText(*std::move(reader), OpenNodesBeside(path));
+  return ParseSpacePolyText(*std::move(reader), OpenNodesBeside(path), rules);
 }
 
-absl::StatusOr<FileFeatures> ReadSmeshFile(const std::string& path) {
+absl::StatusOr<FileFeatures> ReadSmeshFile(const std::string& path, FaceRules rules) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  return ParseSmeshText(*std::move(reader), OpenNodesBeside(path));
+  return ParseSmeshText(*std::move(reader), OpenNodesBeside(path), rules);
 }
 
 }  // namespace dynmesh::io

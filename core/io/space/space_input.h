@@ -9,7 +9,8 @@
 //   * a position of a hole in a part that even-odd keeps.
 // Also errors: an edge shared by two polygons of a facet; a polygon that visits a vertex twice; two
 // facets with the same corners; and, if there are holes, a ring with all of its corners on another
-// one. Holes and regions of the whole file are kept as positions.
+// one. With FaceRules::kAsTheyCome, of these only the positions of holes are checked. Holes and
+// regions of the whole file are kept as positions.
 //
 // INVALID_ARGUMENT as `file:line: what is wrong`; NOT_FOUND and the like if a file cannot be read.
 // Does not check geometry, such as flat facets or their intersections. O(file) expected time, but
@@ -23,19 +24,24 @@
 #include "core/io/common/file_features.h"
 #include "core/io/common/node_input.h"
 #include "core/io/common/text_reader.h"
+#include "core/io/space/face_rules.h"
 
 namespace dynmesh::io {
 
 absl::StatusOr<FileFeatures> ReadSpaceNodeFile(const std::string& path);
 // A file without vertices uses those of the `.node` beside it.
-absl::StatusOr<FileFeatures> ReadSpacePolyFile(const std::string& path);
-absl::StatusOr<FileFeatures> ReadSmeshFile(const std::string& path);
+absl::StatusOr<FileFeatures> ReadSpacePolyFile(const std::string& path,
+                                               FaceRules rules = FaceRules::kStrict);
+absl::StatusOr<FileFeatures> ReadSmeshFile(const std::string& path,
+                                           FaceRules rules = FaceRules::kStrict);
 
 // The same from texts in memory. Calls `open_nodes` for the vertices of a file without any;
 // NOT_FOUND from it becomes an error of that file.
 absl::StatusOr<FileFeatures> ParseSpaceNodeText(TextReader nodes);
-absl::StatusOr<FileFeatures> ParseSpacePolyText(TextReader poly, const OpenNodes& open_nodes);
-absl::StatusOr<FileFeatures> ParseSmeshText(TextReader smesh, const OpenNodes& open_nodes);
+absl::StatusOr<FileFeatures> ParseSpacePolyText(TextReader poly, const OpenNodes& open_nodes,
+                                                FaceRules rules = FaceRules::kStrict);
+absl::StatusOr<FileFeatures> ParseSmeshText(TextReader smesh, const OpenNodes& open_nodes,
+                                            FaceRules rules = FaceRules::kStrict);
 
 }  // namespace dynmesh::io
 

@@ -39,7 +39,8 @@ bool IsBinary(std::string_view bytes) {
 
 class Triangles {
  public:
-  explicit Triangles(const std::string& file) : file_(file), work_(file, 1) {}
+  Triangles(const std::string& file, FaceRules rules)
+      : file_(file), rules_(rules), work_(file, 1, rules) {}
 
   absl::Status Add(const std::array<std::array<double, 3>, 3>& corners,
                    const std::array<int, 3>& lines, int line) {
@@ -50,7 +51,8 @@ class Triangles {
       }
       ring.push_back(PointAt(corners[k], lines[k]));
     }
-    if (ring[0] == ring[1] || ring[1] == ring[2] || ring[2] == ring[0]) {
+    if (rules_ == FaceRules::kStrict &&
+        (ring[0] == ring[1] || ring[1] == ring[2] || ring[2] == ring[0])) {
       return TextReader::ErrorAt(file_, line,
                                  "two corners of a triangle are at one place; leave it out");
     }
@@ -73,13 +75,14 @@ class Triangles {
   }
 
   std::string file_;
+  FaceRules rules_;
   SurfaceWork work_;
   absl::flat_hash_map<std::array<std::uint64_t, 3>, SurfaceWork::Vertex> at_;
 };
 
-absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl) {
+absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl, FaceRules rules) {
   const std::string_view bytes = stl.text();
-  Triangles triangles(stl.name());
+  Triangles triangles(stl.name(), rules);
   int number = 0;
   for (std::size_t at = kHeader; at < bytes.size(); at += kTriangle) {
     if (number == std::numeric_limits<int>::max()) return stl.Error("more than 2^31 - 1 triangles");
@@ -129,8 +132,8 @@ absl::Status ReadFacet(TextReader& stl, Triangles& triangles) {
   return triangles.Add(corners, lines, line);
 }
 
-absl::StatusOr<FileFeatures> ParseAscii(TextReader& stl) {
-  Triangles triangles(stl.name());
+absl::StatusOr<FileFeatures> ParseAscii(TextReader& stl, FaceRules rules) {
+  Triangles triangles(stl.name(), rules);
   bool open = false;
   while (stl.Next()) {
     if (!open && Starts(stl, "solid")) {
@@ -150,10 +153,11 @@ absl::StatusOr<FileFeatures> ParseAscii(TextReader& stl) {
 
 }  // namespace
 
-absl::StatusOr<FileFeatures> ParseStlText(TextReader stl) {
+absl::StatusOr<FileFeatures> ParseStlText(TextReader stl, FaceRules rules) {
   const std::string_view bytes = stl.text();
-  if (IsBinary(bytes)) return ParseBinary(stl);
-  if (absl::AsciiStrToLower(std::string(bytes.substr(0, 5))) == "solid") return ParseAscii(stl);
+  if (IsBinary(bytes)) return ParseBinary(stl, rules);
+  if (absl::AsciiStrToLower(std::string(bytes.substr(0, 5))) == "solid")
+    return ParseAscii(stl, rules);
   std::string message = "neither 'solid' nor a binary file";
   if (bytes.size() >= kHeader) {
     message +=
@@ -163,10 +167,10 @@ absl::StatusOr<FileFeatures> ParseStlText(TextReader stl) {
   return stl.Error(message);
 }
 
-absl::StatusOr<FileFeatures> ReadStlFile(const std::string& path) {
+absl::StatusOr<FileFeatures> ReadStlFile(const std::string& path, FaceRules rules) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  return ParseStlText(*std::move(reader));
+  return ParseStlText(*std::move(reader), rules);
 }
 
 }  // namespace dynmesh::io

@@ -26,6 +26,7 @@ SurfaceWork::Vertex SurfaceWork::AddPoint(const std::array<double, 3>& position,
 }
 
 absl::Status SurfaceWork::AddSegment(Vertex p, Vertex q, int line, std::uint64_t marker) {
+  if (p == q && rules_ == FaceRules::kAsTheyCome) return absl::OkStatus();
   if (p == q) {
     return Error(line, Concat("a segment has vertex ", Name(p), " at both ends; leave it out"));
   }
@@ -58,6 +59,11 @@ absl::Status SurfaceWork::CheckEdges(const std::vector<Ring>& rings, int line) c
 }
 
 absl::Status SurfaceWork::AddFace(std::vector<Ring> rings, int line, std::uint64_t marker) {
+  if (rules_ == FaceRules::kAsTheyCome) {
+    std::erase_if(rings, [](const Ring& ring) { return ring.empty(); });
+    if (!rings.empty()) faces_.push_back({std::move(rings), line, marker});
+    return absl::OkStatus();
+  }
   Ring corners;
   for (const Ring& ring : rings) {
     if (auto s = CheckRing(ring, line); !s.ok()) return s;
@@ -98,7 +104,7 @@ FileFeatures SurfaceWork::Take() {
     input.lines.push_back(face.line);
     AddMarkers({&face.marker, 1}, id, input.labels);
   }
-  *this = SurfaceWork(file_, first_number_);
+  *this = SurfaceWork(file_, first_number_, rules_);
   return input;
 }
 

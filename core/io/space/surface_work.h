@@ -14,6 +14,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "core/io/common/file_features.h"
+#include "core/io/space/face_rules.h"
 
 namespace dynmesh::io {
 
@@ -23,8 +24,8 @@ class SurfaceWork {
   using Ring = std::vector<Vertex>;
 
   // `file` contains the faces; its first vertex has the number `first_number` in messages.
-  SurfaceWork(std::string file, std::uint64_t first_number)
-      : file_(std::move(file)), first_number_(first_number) {}
+  SurfaceWork(std::string file, std::uint64_t first_number, FaceRules rules = FaceRules::kStrict)
+      : file_(std::move(file)), first_number_(first_number), rules_(rules) {}
 
   Vertex AddPoint(const std::array<double, 3>& position, int line);
   // Starts with points that were read already, from this or another file, and their data.
@@ -37,6 +38,7 @@ class SurfaceWork {
 
   // A polygon of rings, which may touch in corners. Errors: a ring of fewer than three corners or
   // with a repeated corner, a repeated edge, and a second face with the same corners.
+  // With FaceRules::kAsTheyCome nothing is an error, and rings without corners are left out.
   absl::Status AddFace(std::vector<Ring> rings, int line, std::uint64_t marker = 0);
 
   FileFeatures Take();
@@ -59,6 +61,7 @@ class SurfaceWork {
   };
   std::string file_;
   std::uint64_t first_number_;
+  FaceRules rules_;
   FileFeatures input_;  // points only
   std::vector<Segment> segments_;
   std::vector<Face> faces_;

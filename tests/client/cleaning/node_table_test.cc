@@ -16,9 +16,9 @@ TEST(NodeTable, NearAgreesWithLookingAtAll) {
     const Point p = {coordinate(random), coordinate(random)};
     std::optional<Node> expected;
     for (Node v = 0; v < nodes.size(); ++v) {
-      const double distance = SquaredDistance(p, nodes.at(v));
+      const double distance = SquaredDistance<2>(p, nodes.at(v));
       if (distance >= kTolerance * kTolerance) continue;
-      if (!expected || distance < SquaredDistance(p, nodes.at(*expected))) expected = v;
+      if (!expected || distance < SquaredDistance<2>(p, nodes.at(*expected))) expected = v;
     }
     const std::optional<Node> near = nodes.Near(p);
     // Exactly at the tolerance it may count as either.

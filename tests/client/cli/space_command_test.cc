@@ -380,12 +380,13 @@ TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
   EXPECT_NE(folder_.Read("M.VTU").find("VTKFile"), std::string::npos);
   EXPECT_NE(folder_.Read("M.Svg").find("<svg"), std::string::npos);
   EXPECT_EQ(Run("stats M.NODE").code, 0);
-  for (const std::string name : {"a.ply", "a.STEP", "a.vtk"}) {
+  for (const std::string name : {"a.3mf", "a.STEP", "a.vtk"}) {
     folder_.Write(name, "ply\n");
     const Outcome refused = Run("mesh " + name);
     EXPECT_NE(refused.code, 0);
     EXPECT_NE(refused.err.find(name + ": "), std::string::npos) << refused.err;
-    EXPECT_NE(refused.err.find(".smesh, .off, .stl or .obj"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(".smesh, .off, .stl, .obj or .ply"), std::string::npos)
+        << refused.err;
   }
 }
 

@@ -1,0 +1,390 @@
+#include "client/cleaning/clean_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "client/cleaning/surface.h"
+#include "client/cleaning/surface_polygons.h"
+#include "client/cleaning/surface_round.h"
+#include "core/base/text.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::cleaning {
+namespace {
+
+using text::Concat;
+
+constexpr double kMaxMagnitude = 0x1p140;
+constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 is rounded to 0
+constexpr double kMinTolerance = 0x1p-41;         // relative to the largest coordinate: 2^11 ulps
+constexpr FeatureId kMaxId = ~FeatureId{0} >> 2;  // leaves room for new ones
+// How flat a polygon must be to stay one, in tolerances.
+constexpr double kFlat = 1.0 / 16;
+// Rounds that find no fewer faults than the best one before them.
+constexpr int kMostStalled = 3;
+// Faults of a round, in units of the first two.
+constexpr std::size_t kMostGrowth = 2;
+
+absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, std::move(message),
+                   {reason, std::move(ids), std::nullopt});
+}
+
+class SurfaceCleaner {
+ public:
+  // Polygons are flat within `flat`.
+  SurfaceCleaner(const std::vector<Feature>& features, const SurfaceCleanOptions& options,
+                 double flat)
+      : features_(features), options_(options), flat_(flat), surface_(options.tolerance) {}
+
+  absl::StatusOr<SurfaceCleanResult> Run() {
+    if (auto status = Enter(); !status.ok()) return status;
+    AddNodes();
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kSegment) AddSegment(f);
+      if (f.kind == FeatureKind::kPolygon) AddPolygon(f);
+    }
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint || is_named_.contains(f.id)) continue;
+      surface_.Add(std::array{node_of_.at(f.id)}, {f.id});
+    }
+    surface_.Settle();
+    SurfaceRounds rounds(surface_, options_.max_crossings);
+    std::size_t least = ~std::size_t{0}, first = 0;
+    int last_gain = 0;
+    for (;;) {
+      if (surface_.round >= options_.max_rounds) return NotDone(rounds);
+      const absl::StatusOr<bool> more = rounds.Run();
+      if (!more.ok()) return more.status();
+      if (!*more) break;
+      if (rounds.found() < least) {
+        least = rounds.found();
+        last_gain = surface_.round;
+      }
+      if (surface_.round <= 2) first = std::max(first, rounds.found());
+      if (surface_.round - last_gain > kMostStalled || rounds.found() > kMostGrowth * first) {
+        return NotDone(rounds);
+      }
+    }
+    return Finish();
+  }
+
+ private:
+  struct Polygon {
+    std::size_t pieces = 0;
+    std::vector<NodeRing> rings;
+    bool may_stay = false;  // a polygon, if nothing changes its pieces
+  };
+
+  // Checks the features, and finds the points.
+  absl::Status Enter() {
+    absl::flat_hash_map<FeatureId, const Feature*> known;
+    double magnitude = 0;
+    for (const Feature& f : features_) {
+      if (f.id == kNoFeature || f.id > kMaxId) {
+        return Refuse(reason::kBadId, {f.id},
+                      Concat("feature ", f.id, ": ids run from 1 to ", kMaxId, " here"));
+      }
+      if (!known.emplace(f.id, &f).second) {
+        return Refuse(reason::kIdInUse, {f.id}, Concat("feature ", f.id, " stands twice"));
+      }
+      surface_.next_id = std::max(surface_.next_id, f.id);
+      if (f.kind != FeatureKind::kPoint) continue;
+      for (const double x : f.position) {
+        if (!(std::abs(x) <= kMaxMagnitude)) {
+          return Refuse(
+              reason::kNotFinite, {f.id},
+              Concat("point ", f.id, " has a coordinate that is not finite or above 2^140"));
+        }
+        magnitude = std::max(magnitude, std::abs(x));
+      }
+    }
+    ++surface_.next_id;
+    const auto name = [&](const Feature& f, FeatureId id, const char* what) -> absl::Status {
+      const auto it = known.find(id);
+      is_named_.insert(id);
+      if (it != known.end() && it->second->kind == FeatureKind::kPoint) return absl::OkStatus();
+      return Refuse(reason::kUnknownEnd, {f.id, id},
+                    Concat(what, " ", f.id, " has the corner ", id, ", which is no point; add it"));
+    };
+    for (const Feature& f : features_) {
+      for (const FeatureId end : f.ends) {
+        if (f.kind != FeatureKind::kSegment) continue;
+        if (auto status = name(f, end, "segment"); !status.ok()) return status;
+      }
+      for (const auto& ring : f.rings) {
+        for (const FeatureId corner : ring) {
+          if (auto status = name(f, corner, "polygon"); !status.ok()) return status;
+        }
+      }
+    }
+    const double tolerance = options_.tolerance;
+    if (!(tolerance > 0 && tolerance <= kMaxMagnitude && tolerance >= kMinTolerance * magnitude)) {
+      return absl::InvalidArgumentError(Concat("the tolerance ", tolerance, " is not between ",
+                                               kMinTolerance * magnitude,
+                                               " (2^-41 of the largest coordinate) and 2^140"));
+    }
+    return absl::OkStatus();
+  }
+
+  void AddNodes() {
+    std::vector<std::pair<Point3, FeatureId>> entries;
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint) continue;
+      Point3 at = f.position;
+      for (double& x : at) x = std::abs(x) < kMinCoordinate ? 0 : x;  // -0 becomes 0, too
+      if (at != f.position) {
+        surface_.changes.push_back({SurfaceChangeKind::kPointRounded, {f.id}, f.position, at});
+      }
+      entries.emplace_back(at, f.id);
+    }
+    std::sort(entries.begin(), entries.end());
+    for (const auto& [at, id] : entries) {
+      const std::optional<Node> near = surface_.nodes.Near(at);
+      node_of_[id] = near ? *near : surface_.AddNode(at, id);
+      if (!near) continue;
+      surface_.changes.push_back({SurfaceChangeKind::kPointMerged,
+                                  {id, surface_.point_ids[*near]},
+                                  at,
+                                  surface_.at(*near)});
+    }
+  }
+
+  void AddSegment(const Feature& f) {
+    surface_.Add(std::array{node_of_.at(f.ends[0]), node_of_.at(f.ends[1])}, {f.id});
+  }
+
+  void AddPolygon(const Feature& f) {
+    Polygon& polygon = polygons_[f.id];
+    std::set<Node> corners;
+    std::size_t count = 0;
+    for (const auto& ring : f.rings) {
+      NodeRing& nodes = polygon.rings.emplace_back();
+      for (const FeatureId corner : ring) {
+        const Node v = node_of_.at(corner);
+        if (nodes.empty() || nodes.back() != v) nodes.push_back(v);
+      }
+      while (nodes.size() > 1 && nodes.back() == nodes.front()) nodes.pop_back();
+      const std::set<Node> own(nodes.begin(), nodes.end());
+      count += own.size() == nodes.size() ? 0 : 1;  // a ring through a corner twice
+      if (nodes.size() < 3) polygon.rings.pop_back();
+    }
+    const PolygonPieces pieces = PiecesOf(surface_, polygon.rings, flat_);
+    polygon.pieces = pieces.triangles.size();
+    polygon.may_stay = pieces.is_regular && pieces.is_flat && count == 0 &&
+                       (options_.holes || polygon.rings.size() == 1);
+    if (!polygon.may_stay && !pieces.triangles.empty()) {
+      const Point3& at = surface_.at(polygon.rings.front().front());
+      surface_.changes.push_back({SurfaceChangeKind::kFaceTriangulated, {f.id}, at, at});
+    }
+    for (const auto& t : pieces.triangles) surface_.Add(t, {f.id});
+  }
+
+  absl::Status NotDone(const SurfaceRounds& rounds) const {
+    return absl::AbortedError(
+        Concat("after ", surface_.round, " rounds faces or edges still touch or cross in ",
+               rounds.found(), " places, one at (", rounds.where()[0], ", ", rounds.where()[1],
+               ", ", rounds.where()[2], "); choose another tolerance than ", options_.tolerance));
+  }
+
+  // The polygons that no change has reached.
+  absl::flat_hash_set<FeatureId> Whole() const {
+    struct Left {
+      std::size_t pieces = 0;
+      Sources sources;  // of all pieces
+      bool differ = false;
+    };
+    absl::flat_hash_map<FeatureId, Left> left;
+    for (const Simplex& s : surface_.simplices) {
+      if (s.size != 3) continue;
+      for (const FeatureId source : s.sources) {
+        Left& of = left[source];
+        if (of.pieces++ == 0) of.sources = s.sources;
+        of.differ = of.differ || of.sources != s.sources || s.born != 0;
+      }
+    }
+    absl::flat_hash_set<FeatureId> whole;
+    for (const auto& [id, polygon] : polygons_) {
+      const auto it = left.find(id);
+      if (!polygon.may_stay || it == left.end() || it->second.differ) continue;
+      if (it->second.sources.front() != id) continue;  // the same as another one
+      if (std::all_of(it->second.sources.begin(), it->second.sources.end(), [&](FeatureId source) {
+            return polygons_.at(source).pieces == it->second.pieces;
+          })) {
+        whole.insert(id);
+      }
+    }
+    // Its diagonals must be of no other feature.
+    absl::flat_hash_set<NodePair> sides;
+    for (const FeatureId id : whole) {
+      if (polygons_.at(id).pieces < 2) continue;
+      for (const NodeRing& ring : polygons_.at(id).rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          sides.insert(Ordered(ring[i], ring[(i + 1) % ring.size()]));
+        }
+      }
+    }
+    for (const auto& [edge, simplices] : surface_.EdgesOf()) {
+      std::set<FeatureId> owners;
+      for (const std::uint32_t s : simplices) owners.insert(surface_.simplices[s].sources.front());
+      if (owners.size() < 2) continue;
+      for (const FeatureId owner : owners) {
+        if (!whole.contains(owner) || polygons_.at(owner).pieces < 2) continue;
+        const std::size_t own = static_cast<std::size_t>(std::count_if(
+            simplices.begin(), simplices.end(),
+            [&](std::uint32_t s) { return surface_.simplices[s].sources.front() == owner; }));
+        if (own > 1) whole.erase(owner);
+      }
+    }
+    return whole;
+  }
+
+  SurfaceCleanResult Finish() {
+    const absl::flat_hash_set<FeatureId> whole = Whole();
+    absl::flat_hash_map<FeatureId, std::vector<const Simplex*>> parts;
+    std::vector<bool> used(surface_.nodes.size(), false);
+    for (const Simplex& s : surface_.simplices) {
+      if (s.size > 1) parts[s.sources.front()].push_back(&s);
+      for (int k = 0; k < s.size; ++k) used[s.v[static_cast<std::size_t>(k)]] = true;
+    }
+    SurfaceCleanResult result;
+    AddPoints(used, result.features);
+    FeatureId next_id = surface_.next_id;
+    for (const FeatureKind kind : {FeatureKind::kSegment, FeatureKind::kPolygon}) {
+      for (const Feature& f : features_) {
+        if (f.kind != kind) continue;
+        const auto it = parts.find(f.id);
+        if (it == parts.end()) {
+          ReportDropped(f);
+        } else if (kind == FeatureKind::kPolygon && whole.contains(f.id)) {
+          result.features.push_back(Feature::Polygon(f.id, IdsOf(polygons_.at(f.id).rings)));
+        } else {
+          for (const Simplex* s : it->second) {
+            const FeatureId id = s == it->second.front() ? f.id : next_id++;
+            if (id != f.id) result.parts.emplace_back(id, f.id);
+            result.features.push_back(
+                kind == FeatureKind::kPolygon
+                    ? Feature::Polygon(id, IdsOf({{s->v[0], s->v[1], s->v[2]}}))
+                    : SegmentOf(f, id, *s));
+          }
+        }
+      }
+    }
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kSize) result.features.push_back(f);
+    }
+    result.changes = std::move(surface_.changes);
+    result.rounds = surface_.round;
+    result.tolerance = options_.tolerance;
+    return result;
+  }
+
+  // Of the input first, in its order.
+  void AddPoints(const std::vector<bool>& used, std::vector<Feature>& features) const {
+    absl::flat_hash_set<FeatureId> of_input;
+    const auto add = [&](Node v) {
+      const Point3& p = surface_.at(v);
+      features.push_back(Feature::Point(surface_.point_ids[v], p[0], p[1], p[2]));
+    };
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint) continue;
+      of_input.insert(f.id);
+      const Node v = node_of_.at(f.id);
+      if (used[v] && surface_.point_ids[v] == f.id) add(v);
+    }
+    for (Node v = 0; v < surface_.nodes.size(); ++v) {
+      if (used[v] && !of_input.contains(surface_.point_ids[v])) add(v);
+    }
+  }
+
+  // From the end that was nearer to the segment's first one.
+  Feature SegmentOf(const Feature& f, FeatureId id, const Simplex& s) const {
+    const Point3 &from = surface_.at(node_of_.at(f.ends[0])), &to = surface_.at(s.v[0]);
+    const bool forward =
+        SquaredDistance<3>(from, to) <= SquaredDistance<3>(from, surface_.at(s.v[1]));
+    return Feature::Segment(id, surface_.point_ids[s.v[forward ? 0 : 1]],
+                            surface_.point_ids[s.v[forward ? 1 : 0]]);
+  }
+
+  Rings IdsOf(const std::vector<NodeRing>& rings) const {
+    Rings ids;
+    for (const NodeRing& ring : rings) {
+      std::vector<FeatureId>& corners = ids.emplace_back();
+      for (const Node v : ring) corners.push_back(surface_.point_ids[v]);
+    }
+    return ids;
+  }
+
+  void ReportDropped(const Feature& f) {
+    const bool is_face = f.kind == FeatureKind::kPolygon;
+    Point3 at{};
+    if (!is_face || (!f.rings.empty() && !f.rings.front().empty())) {
+      at = surface_.at(node_of_.at(is_face ? f.rings.front().front() : f.ends[0]));
+    }
+    surface_.changes.push_back(
+        {is_face ? SurfaceChangeKind::kFaceDropped : SurfaceChangeKind::kSegmentDropped,
+         {f.id},
+         at,
+         at});
+  }
+
+  const std::vector<Feature>& features_;
+  const SurfaceCleanOptions& options_;
+  const double flat_;
+  Surface surface_;
+  absl::flat_hash_map<FeatureId, Node> node_of_;
+  absl::flat_hash_map<FeatureId, Polygon> polygons_;
+  absl::flat_hash_set<FeatureId> is_named_;  // an end or a corner
+};
+
+}  // namespace
+
+const char* NameOf(SurfaceChangeKind kind) {
+  switch (kind) {
+    case SurfaceChangeKind::kPointMerged:
+      return "point merged";
+    case SurfaceChangeKind::kPointRounded:
+      return "point rounded";
+    case SurfaceChangeKind::kFaceTriangulated:
+      return "face triangulated";
+    case SurfaceChangeKind::kEdgeSplit:
+      return "edge split";
+    case SurfaceChangeKind::kFaceSplit:
+      return "face split";
+    case SurfaceChangeKind::kEdgesCrossed:
+      return "edges crossed";
+    case SurfaceChangeKind::kFaceCrossed:
+      return "face crossed";
+    case SurfaceChangeKind::kFaceDoubled:
+      return "face doubled";
+    case SurfaceChangeKind::kFaceDropped:
+      return "face dropped";
+    case SurfaceChangeKind::kSegmentDoubled:
+      return "segment doubled";
+    case SurfaceChangeKind::kSegmentDropped:
+      return "segment dropped";
+  }
+  return "";
+}
+
+absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& features,
+                                                 const SurfaceCleanOptions& options) {
+  SurfaceCleanOptions wider = options;
+  for (int doublings = 0;; ++doublings) {
+    absl::StatusOr<SurfaceCleanResult> result =
+        SurfaceCleaner(features, wider, kFlat * options.tolerance).Run();
+    if (!absl::IsAborted(result.status())) return result;
+    if (doublings == options.max_doublings) {
+      return absl::ResourceExhaustedError(Concat("up to the tolerance ", wider.tolerance, ": ",
+                                                 text::View(result.status().message())));
+    }
+    wider.tolerance *= 2;
+  }
+}
+
+}  // namespace dynmesh::cleaning

@@ -1,0 +1,96 @@
+#include "client/cleaning/surface.h"
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
+namespace dynmesh::cleaning {
+
+std::array<Node, 3> Simplex::Key() const {
+  std::array<Node, 3> key = v;
+  if (size > 1 && key[1] < key[0]) std::swap(key[0], key[1]);
+  if (size > 2 && key[2] < key[1]) std::swap(key[1], key[2]);
+  if (size > 2 && key[1] < key[0]) std::swap(key[0], key[1]);
+  return key;
+}
+
+bool Simplex::Has(Node n) const {
+  return std::find(v.begin(), v.begin() + size, n) != v.begin() + size;
+}
+
+Node Surface::AddNode(const Point3& p, FeatureId id) {
+  point_ids.push_back(id);
+  return nodes.Add(p);
+}
+
+Node Surface::NodeAt(const Point3& p) {
+  const std::optional<Node> near = nodes.Near(p);
+  return near ? *near : AddNode(p, next_id++);
+}
+
+void Surface::Add(std::span<const Node> corners, const Sources& sources) {
+  Simplex s;
+  for (const Node v : corners) {
+    if (s.Has(v)) return;
+    s.v[static_cast<std::size_t>(s.size++)] = v;
+  }
+  s.born = round;
+  s.sources = sources;
+  simplices.push_back(std::move(s));
+}
+
+void Surface::Settle() {
+  std::erase_if(simplices, [](const Simplex& s) { return s.sources.empty(); });
+  struct Entry {
+    std::array<Node, 3> key;
+    std::uint32_t index;
+  };
+  std::vector<Entry> order;
+  order.reserve(simplices.size());
+  for (std::uint32_t i = 0; i < simplices.size(); ++i) order.push_back({simplices[i].Key(), i});
+  std::sort(order.begin(), order.end(), [this](const Entry& a, const Entry& b) {
+    const Simplex &s = simplices[a.index], &t = simplices[b.index];
+    return std::tie(s.size, a.key, s.sources, s.v) < std::tie(t.size, b.key, t.sources, t.v);
+  });
+  std::vector<Simplex> kept;
+  kept.reserve(simplices.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    Simplex s = std::move(simplices[order[begin].index]);
+    const FeatureId first = s.sources.front();
+    for (end = begin + 1; end < order.size() && order[end].key == order[begin].key &&
+                          simplices[order[end].index].size == s.size;
+         ++end) {
+      const Simplex& t = simplices[order[end].index];
+      s.born = std::max(s.born, t.born);
+      Sources both;
+      std::set_symmetric_difference(s.sources.begin(), s.sources.end(), t.sources.begin(),
+                                    t.sources.end(), std::back_inserter(both));
+      if (t.sources.front() != first && s.size > 1) {
+        const auto kind =
+            s.size == 3 ? SurfaceChangeKind::kFaceDoubled : SurfaceChangeKind::kSegmentDoubled;
+        changes.push_back({kind, {t.sources.front(), first}, at(s.v[0]), at(s.v[1])});
+      }
+      s.sources = std::move(both);
+    }
+    if (!s.sources.empty()) kept.push_back(std::move(s));
+  }
+  simplices = std::move(kept);
+}
+
+Surface::EdgeMap Surface::EdgesOf() const {
+  EdgeMap edges;
+  edges.reserve(simplices.size() * 2);
+  for (std::uint32_t i = 0; i < simplices.size(); ++i) {
+    for (int k = 0; k < simplices[i].edge_count(); ++k) edges[simplices[i].Edge(k)].push_back(i);
+  }
+  return edges;
+}
+
+bool Surface::IsShorter(NodePair a, NodePair b) const {
+  const double a2 = SquaredDistance<3>(at(a.first), at(a.second));
+  const double b2 = SquaredDistance<3>(at(b.first), at(b.second));
+  if (a2 != b2) return a2 < b2;
+  return std::minmax(at(a.first), at(a.second)) < std::minmax(at(b.first), at(b.second));
+}
+
+}  // namespace dynmesh::cleaning

@@ -1,0 +1,76 @@
+// A surface during cleaning: nodes, which are positions of points, and the triangles, edges of
+// segments and single points that have them as corners.
+//
+// All numbering is by coordinates (nodes in order of insertion, in each round by coordinates; the
+// others by their corners). So results of iterations in this order do not depend on the input's
+// order. Thread-compatible.
+#ifndef DYNMESH_CLIENT_CLEANING_SURFACE_H_
+#define DYNMESH_CLIENT_CLEANING_SURFACE_H_
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
+#include "client/cleaning/clean_surfaces.h"
+#include "client/cleaning/node_table.h"
+
+namespace dynmesh::cleaning {
+
+inline NodePair Ordered(Node a, Node b) { return a < b ? NodePair(a, b) : NodePair(b, a); }
+
+// The input's faces, or segments, that contain it an odd number of times; ascending.
+using Sources = absl::InlinedVector<FeatureId, 1>;
+
+// A triangle, a segment's edge, or a point: of 3, 2 or 1 corners.
+struct Simplex {
+  std::array<Node, 3> v{};  // the first `size`; in a triangle oriented as in the input
+  int size = 0;
+  int born = 0;  // what it meets is unchecked since this round
+  Sources sources;
+
+  // Ascending corners.
+  std::array<Node, 3> Key() const;
+  bool Has(Node n) const;
+  int edge_count() const { return size == 3 ? 3 : size - 1; }
+  // Edge i, of which a triangle has three, an edge one.
+  NodePair Edge(int i) const { return Ordered(v[i], v[(i + 1) % 3 == size ? 0 : (i + 1) % 3]); }
+};
+
+class Surface {
+ public:
+  explicit Surface(double tolerance) : nodes(tolerance) {}
+
+  // A node made in this round, for a point with id `id`.
+  Node AddNode(const Point3& p, FeatureId id);
+  // The node nearest to p within the tolerance, or a new one.
+  Node NodeAt(const Point3& p);
+
+  // Adds a simplex, unless corners are equal. To be settled.
+  void Add(std::span<const Node> corners, const Sources& sources);
+  // To be called after simplices were added or their sources cleared: sorts, joins equal ones,
+  // removes those without sources.
+  void Settle();
+
+  // The simplices, by corners, that have an edge of two corners or more at each pair of nodes.
+  using EdgeMap = absl::flat_hash_map<NodePair, std::vector<std::uint32_t>>;
+  EdgeMap EdgesOf() const;
+
+  // A strict order of all pairs of nodes by length; ties by coordinates.
+  bool IsShorter(NodePair a, NodePair b) const;
+  const Point3& at(Node v) const { return nodes.at(v); }
+
+  NodeTable3 nodes;
+  std::vector<FeatureId> point_ids;  // by node
+  FeatureId next_id = 0;             // of the next new node
+  std::vector<Simplex> simplices;    // by corners, points first
+  std::vector<SurfaceChange> changes;
+  int round = 0;
+};
+
+}  // namespace dynmesh::cleaning
+
+#endif  // DYNMESH_CLIENT_CLEANING_SURFACE_H_

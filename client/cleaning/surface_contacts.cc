@@ -1,0 +1,347 @@
+#include "client/cleaning/surface_contacts.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+
+#include <algorithm>
+#include <boost/geometry.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "absl/functional/function_ref.h"
+#include "client/cleaning/vectors3.h"
+
+namespace dynmesh::cleaning {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Rational = CGAL::Exact_rational;
+
+int Orientation(const Point& a, const Point& b, const Point& c) {
+  return CGAL::orientation(Kernel::Point_2(a[0], a[1]), Kernel::Point_2(b[0], b[1]),
+                           Kernel::Point_2(c[0], c[1]));
+}
+
+int Orientation(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  const auto at = [](const Point3& p) { return Kernel::Point_3(p[0], p[1], p[2]); };
+  return CGAL::orientation(at(a), at(b), at(c), at(d));
+}
+
+struct Box {
+  Point3 lo, hi;
+
+  bool Meets(const Box& other) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (lo[i] > other.hi[i] || hi[i] < other.lo[i]) return false;
+    }
+    return true;
+  }
+};
+
+Box BoxOf(std::initializer_list<const Point3*> points, double reach) {
+  Box box = {**points.begin(), **points.begin()};
+  for (const Point3* p : points) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.lo[i] = std::min(box.lo[i], (*p)[i]);
+      box.hi[i] = std::max(box.hi[i], (*p)[i]);
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) box.lo[i] -= reach, box.hi[i] += reach;
+  return box;
+}
+
+// What tests of a simplex need, once. Of the corners in ascending order.
+struct Shape {
+  Box box;
+  Point3 normal{};       // of a face, of any length
+  double length = 0;     // of the normal
+  double deviation = 0;  // of the corners from the plane, by rounding
+  std::size_t axis = 0;
+};
+
+class Search {
+ public:
+  Search(const Surface& surface, int since)
+      : surface_(surface), since_(since), reach_(surface.nodes.tolerance() / 2) {
+    shapes_.reserve(surface.simplices.size());
+    for (const Simplex& s : surface.simplices) shapes_.push_back(ShapeOf(s));
+  }
+
+  const Shape& shape(std::uint32_t i) const { return shapes_[i]; }
+  const Point3& at(Node v) const { return surface_.at(v); }
+  bool IsNew(std::uint32_t i) const { return surface_.simplices[i].born >= since_; }
+
+  // Calls visit(i, j) with i < j for pairs with boxes that meet, of which one is new, until it
+  // returns false.
+  void VisitPairs(absl::FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const {
+    namespace bg = boost::geometry;
+    using Corner = bg::model::point<double, 3, bg::cs::cartesian>;
+    using TreeBox = bg::model::box<Corner>;
+    using Entry = std::pair<TreeBox, std::uint32_t>;
+    const auto tree_box = [](const Box& b) {
+      return TreeBox(Corner(b.lo[0], b.lo[1], b.lo[2]), Corner(b.hi[0], b.hi[1], b.hi[2]));
+    };
+    std::vector<Entry> entries;
+    entries.reserve(shapes_.size());
+    for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
+      entries.emplace_back(tree_box(shapes_[i].box), i);
+    }
+    const bg::index::rtree<Entry, bg::index::quadratic<16>> tree(entries);
+    std::vector<Entry> near;
+    for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
+      if (!IsNew(i)) continue;
+      near.clear();
+      tree.query(bg::index::intersects(entries[i].first), std::back_inserter(near));
+      for (const Entry& entry : near) {
+        const std::uint32_t j = entry.second;
+        if (j == i || (j < i && IsNew(j))) continue;
+        if (!visit(std::min(i, j), std::max(i, j))) return;
+      }
+    }
+  }
+
+  // The node is on that part of simplex i.
+  std::optional<int> PartAt(std::uint32_t i, Node v) const {
+    const Simplex& s = surface_.simplices[i];
+    const Shape& shape = shapes_[i];
+    const Point3& p = at(v);
+    if (s.size < 2 || s.Has(v) || !shape.box.Meets({p, p})) return std::nullopt;
+    std::optional<int> beside;
+    for (int k = 0; k < s.edge_count(); ++k) {
+      if (IsBeside(v, s.Edge(k)) && (!beside || s.Edge(k) < s.Edge(*beside))) beside = k;
+    }
+    if (beside) return beside;
+    if (s.size < 3) return std::nullopt;
+    const double height = std::abs(Dot(shape.normal, Minus(p, at(s.Key()[0])))) / shape.length;
+    if (!(height < reach_ + 2 * shape.deviation) || !IsOver(surface_, s, p)) return std::nullopt;
+    return kFaceItself;
+  }
+
+  // p projects into the open edge and is nearer to it than half the tolerance.
+  bool IsBeside(Node v, NodePair edge) const {
+    if (v == edge.first || v == edge.second) return false;
+    const Point3 &p = at(v), &lo = at(edge.first), &hi = at(edge.second);
+    const Point3 d = Minus(hi, lo), w = Minus(p, lo);
+    const double length2 = Dot(d, d), along = Dot(d, w);
+    if (along <= 0 || along >= length2) return false;
+    const Point3 cross = Cross(d, w);
+    return Dot(cross, cross) < reach_ * reach_ * length2;
+  }
+
+  // Where two edges without a common end meet.
+  std::optional<Point3> Meeting(NodePair e, NodePair f) const {
+    if (f < e) std::swap(e, f);
+    if (e.first == f.first || e.first == f.second || e.second == f.first || e.second == f.second) {
+      return std::nullopt;
+    }
+    const Point3 &a = at(e.first), &b = at(e.second), &c = at(f.first), &d = at(f.second);
+    if (!BoxOf({&a, &b}, reach_).Meets(BoxOf({&c, &d}, 0))) return std::nullopt;
+    const Point3 u = Minus(b, a), w = Minus(d, c), r = Minus(c, a);
+    const double uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w);
+    const Point3 n = Cross(u, w);
+    const double nn = Dot(n, n);
+    if (!(nn > 0)) return std::nullopt;
+    double s = Dot(Cross(r, w), n) / nn;
+    if (!(s > 0 && s < 1)) return std::nullopt;
+    // Nearest to that place, and back: so rounding in the first step matters less.
+    const double t = (s * uw - Dot(r, w)) / ww;
+    if (!(t > 0 && t < 1)) return std::nullopt;
+    s = (t * uw + Dot(r, u)) / uu;
+    if (!(s > 0 && s < 1)) return std::nullopt;
+    const Point3 x = Along(a, s, u), y = Along(c, t, w);
+    if (!(SquaredDistance<3>(x, y) < reach_ * reach_)) return std::nullopt;
+    if (const auto exact = ExactMeeting(a, b, c, d, AxisOf(n))) return exact;
+    return Point3{(x[0] + y[0]) / 2, (x[1] + y[1]) / 2, (x[2] + y[2]) / 2};
+  }
+
+  // Where the edge passes through the inside of face i. Exact, rounded once.
+  std::optional<Point3> Passage(NodePair e, std::uint32_t i) const {
+    const Simplex& s = surface_.simplices[i];
+    if (s.Has(e.first) || s.Has(e.second)) return std::nullopt;
+    const Point3 &p = at(e.first), &q = at(e.second);
+    if (!BoxOf({&p, &q}, 0).Meets(shapes_[i].box)) return std::nullopt;
+    const std::array<Node, 3> v = s.Key();
+    const Point3 &a = at(v[0]), &b = at(v[1]), &c = at(v[2]);
+    const int at_p = Orientation(a, b, c, p);
+    if (at_p == 0) return std::nullopt;
+    if (at_p * Orientation(a, b, c, q) >= 0) return std::nullopt;
+    const int side = Orientation(p, q, a, b);
+    if (side == 0 || Orientation(p, q, b, c) != side || Orientation(p, q, c, a) != side) {
+      return std::nullopt;
+    }
+    using Vector = std::array<Rational, 3>;
+    const auto minus = [](const Point3& to, const Point3& from) {
+      Vector d;
+      for (std::size_t k = 0; k < 3; ++k) d[k] = Rational(to[k]) - Rational(from[k]);
+      return d;
+    };
+    const Vector u = minus(b, a), w = minus(c, a), ap = minus(p, a), pq = minus(q, p);
+    const Vector n = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2],
+                      u[0] * w[1] - u[1] * w[0]};
+    const auto dot = [&](const Vector& d) -> Rational {
+      return n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+    };
+    const Rational t = -dot(ap) / dot(pq);
+    Point3 place;
+    for (std::size_t k = 0; k < 3; ++k) {
+      place[k] = CGAL::to_double(Rational(Rational(p[k]) + t * pq[k]));
+    }
+    return place;
+  }
+
+  // Touches first: what these split is looked at again in the next round.
+  void FindOfPair(std::uint32_t i, std::uint32_t j, std::vector<Contact>& found) const {
+    const Simplex &s = surface_.simplices[i], &t = surface_.simplices[j];
+    std::array<bool, 3> s_touches{}, t_touches{};  // by corner
+    for (int k = 0; k < s.size; ++k) {
+      const Node v = s.v[static_cast<std::size_t>(k)];
+      const std::optional<int> part = PartAt(j, v);
+      s_touches[static_cast<std::size_t>(k)] = part.has_value();
+      if (part) found.push_back({i, j, kFirstCorner + k, *part, at(v), v});
+    }
+    for (int l = 0; l < t.size; ++l) {
+      const Node v = t.v[static_cast<std::size_t>(l)];
+      const std::optional<int> part = PartAt(i, v);
+      t_touches[static_cast<std::size_t>(l)] = part.has_value();
+      if (part) found.push_back({i, j, *part, kFirstCorner + l, at(v), v});
+    }
+    for (int k = 0; k < s.edge_count(); ++k) {
+      for (int l = 0; l < t.edge_count(); ++l) {
+        const NodePair e = s.Edge(k), f = t.Edge(l);
+        const auto place = Meeting(e, f);
+        if (!place || IsBeside(e.first, f) || IsBeside(e.second, f) || IsBeside(f.first, e) ||
+            IsBeside(f.second, e)) {
+          continue;
+        }
+        found.push_back({i, j, k, l, *place, 0});
+      }
+    }
+    const auto is_free = [](const std::array<bool, 3>& touches, int edge, int size) {
+      const auto k = static_cast<std::size_t>(edge);
+      return !touches[k] && !touches[(k + 1) % static_cast<std::size_t>(size)];
+    };
+    for (int k = 0; t.size == 3 && k < s.edge_count(); ++k) {
+      if (!is_free(s_touches, k, s.size)) continue;
+      if (const auto place = Passage(s.Edge(k), j)) {
+        found.push_back({i, j, k, kFaceItself, *place, 0});
+      }
+    }
+    for (int l = 0; s.size == 3 && l < t.edge_count(); ++l) {
+      if (!is_free(t_touches, l, t.size)) continue;
+      if (const auto place = Passage(t.Edge(l), i)) {
+        found.push_back({i, j, kFaceItself, l, *place, 0});
+      }
+    }
+  }
+
+ private:
+  Shape ShapeOf(const Simplex& s) const {
+    Shape shape;
+    const std::array<Node, 3> v = s.Key();
+    if (s.size == 3) {
+      const Point3 &a = at(v[0]), &b = at(v[1]), &c = at(v[2]);
+      shape.normal = Cross(Minus(b, a), Minus(c, a));
+      shape.length = std::sqrt(Dot(shape.normal, shape.normal));
+      shape.axis = AxisOf(shape.normal);
+      for (const Point3* p : {&b, &c}) {
+        const double height = std::abs(Dot(shape.normal, Minus(*p, a))) / shape.length;
+        if (height > shape.deviation) shape.deviation = height;
+      }
+      shape.box = BoxOf({&a, &b, &c}, 2 * reach_ + 2 * shape.deviation);
+    } else {
+      shape.box = BoxOf({&at(v[0]), &at(v[s.size == 2 ? 1 : 0])}, 2 * reach_);
+    }
+    return shape;
+  }
+
+  // If the four points are in a plane: the crossing, exact, rounded once.
+  static std::optional<Point3> ExactMeeting(const Point3& a, const Point3& b, const Point3& c,
+                                            const Point3& d, std::size_t axis) {
+    if (Orientation(a, b, c, d) != 0) return std::nullopt;
+    const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+    const Rational ux = Rational(b[i]) - Rational(a[i]), uy = Rational(b[j]) - Rational(a[j]);
+    const Rational wx = Rational(d[i]) - Rational(c[i]), wy = Rational(d[j]) - Rational(c[j]);
+    const Rational det = ux * wy - uy * wx;
+    if (det == 0) return std::nullopt;
+    const Rational rx = Rational(c[i]) - Rational(a[i]), ry = Rational(c[j]) - Rational(a[j]);
+    const Rational s = (rx * wy - ry * wx) / det, t = (rx * uy - ry * ux) / det;
+    if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return std::nullopt;
+    Point3 place;
+    for (std::size_t k = 0; k < 3; ++k) {
+      place[k] = CGAL::to_double(Rational(Rational(a[k]) + s * (Rational(b[k]) - Rational(a[k]))));
+    }
+    return place;
+  }
+
+  const Surface& surface_;
+  const int since_;
+  const double reach_;
+  std::vector<Shape> shapes_;
+};
+
+}  // namespace
+
+FaceView ViewOf(const Surface& surface, const Simplex& face) {
+  const std::array<Node, 3> key = face.Key();
+  const Point3& a = surface.at(key[0]);
+  const std::size_t axis =
+      AxisOf(Cross(Minus(surface.at(key[1]), a), Minus(surface.at(key[2]), a)));
+  return {axis,
+          Orientation(ShadowOf(surface.at(face.v[0]), axis), ShadowOf(surface.at(face.v[1]), axis),
+                      ShadowOf(surface.at(face.v[2]), axis)) >= 0};
+}
+
+bool IsOver(const Surface& surface, const Simplex& face, const Point3& p) {
+  const FaceView view = ViewOf(surface, face);
+  const Point shadow = ShadowOf(p, view.axis);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int side = Orientation(ShadowOf(surface.at(face.v[k]), view.axis),
+                                 ShadowOf(surface.at(face.v[(k + 1) % 3]), view.axis), shadow);
+    if ((view.is_counter_clockwise ? side : -side) <= 0) return false;
+  }
+  return true;
+}
+
+Point3 FootOn(const Surface& surface, NodePair edge, const Point3& p) {
+  const Point3& a = surface.at(edge.first);
+  const Point3 d = Minus(surface.at(edge.second), a);
+  return Along(a, std::clamp(Dot(d, Minus(p, a)) / Dot(d, d), 0.0, 1.0), d);
+}
+
+bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
+  for (const auto& [of, on] : {std::pair(&s, &t), std::pair(&t, &s)}) {
+    const std::array<Node, 3> v = on->Key();
+    const Point3& a = surface.at(v[0]);
+    const Point3 n = Cross(Minus(surface.at(v[1]), a), Minus(surface.at(v[2]), a));
+    const double reach = surface.nodes.tolerance() * std::sqrt(Dot(n, n));
+    if (std::all_of(of->v.begin(), of->v.end(),
+                    [&](Node c) { return std::abs(Dot(n, Minus(surface.at(c), a))) < reach; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Contacts FindContacts(const Surface& surface, int since, std::size_t most) {
+  Contacts contacts;
+  const Search search(surface, since);
+  search.VisitPairs([&](std::uint32_t i, std::uint32_t j) {
+    search.FindOfPair(i, j, contacts.pairs);
+    contacts.is_cut_off = contacts.pairs.size() > most;
+    return !contacts.is_cut_off;
+  });
+  // A face's own corner beside its opposite edge.
+  for (std::uint32_t i = 0; i < surface.simplices.size(); ++i) {
+    const Simplex& s = surface.simplices[i];
+    if (s.size < 3 || !search.IsNew(i)) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Node v = s.v[static_cast<std::size_t>((k + 2) % 3)];
+      if (search.IsBeside(v, s.Edge(k))) contacts.thin.push_back({s.Edge(k), v});
+    }
+  }
+  return contacts;
+}
+
+}  // namespace dynmesh::cleaning

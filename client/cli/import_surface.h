@@ -1,0 +1,25 @@
+// `dynmesh import` of 3D input: surfaces, cleaned on request.
+#ifndef DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
+#define DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
+
+#include <optional>
+#include <string>
+
+#include "client/cli/input.h"
+
+namespace dynmesh::cli {
+
+struct SurfaceImport {
+  std::string input;
+  std::string output;  // .poly, .smesh, .off or .dynmesh
+  std::optional<double> tolerance;
+  bool clean = false;
+  bool json = false;
+};
+
+// Writes the input's features, prints the summary. Returns the exit code.
+int ImportSurface(const SurfaceImport& command, Input input);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
