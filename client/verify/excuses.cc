@@ -154,6 +154,14 @@ bool Excuses::Excused(std::uint32_t p, std::uint32_t q) const {
   return IsOfSegments(p, q) || (!narrow_.empty() && IsOfFacets(p, q));
 }
 
+bool Excuses::AreOpposite(const io::IndexedMesh::Tetrahedron& t) const {
+  const bool is_by_facets = std::ranges::any_of(
+      t, [this](std::uint32_t v) { return mesh_.vertices[v].containing_dimension == 2; });
+  return is_by_facets && ((Excused(t[0], t[1]) && Excused(t[2], t[3])) ||
+                          (Excused(t[0], t[2]) && Excused(t[1], t[3])) ||
+                          (Excused(t[0], t[3]) && Excused(t[1], t[2])));
+}
+
 bool Excuses::IsOfFacets(std::uint32_t p, std::uint32_t q) const {
   const Real across = Distance(p, q);
   return std::ranges::any_of(narrow_[p], [&](std::uint32_t c) {

@@ -40,6 +40,10 @@ class Excuses {
     return false;
   }
 
+  // 3D. Are two opposite edges excused, and is a corner inside a facet? Such a tetrahedron may be
+  // flat: its corners are those of a trapezoid across a small angle between facets.
+  bool AreOpposite(const io::IndexedMesh::Tetrahedron& t) const;
+
   Real Distance(std::uint32_t p, std::uint32_t q) const;
 
   // The length of the simplex's shortest edge that counts; infinite if none does. In 2D these are

@@ -186,8 +186,13 @@ VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, Veri
         std::abs(shape.min_angle - min_dihedral) <= kUnsure || shape.least_area < kNeedle;
     const bool is_below = shape.min_angle < min_dihedral;
     const bool has_excuse = is_below && excuses.AnyOf(mesh.tetrahedra[t]);
-    if (is_unsure || has_excuse ? IsBelowExactly(mesh, mesh.tetrahedra[t], min_dihedral, excuses)
-                                : is_below) {
+    const bool is_trapezoid =
+        has_excuse && shape.ratio < HUGE_VAL && excuses.AreOpposite(mesh.tetrahedra[t]);
+    if (is_trapezoid) {
+      ++report.exempt_dihedral;
+    } else if (is_unsure || has_excuse
+                   ? IsBelowExactly(mesh, mesh.tetrahedra[t], min_dihedral, excuses)
+                   : is_below) {
       all.push_back({shape.min_angle, t});
     } else if (is_below) {
       ++report.exempt_dihedral;

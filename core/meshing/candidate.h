@@ -16,7 +16,7 @@ struct Candidate {
   int corner = 0;     // 2D: the star's corner in the gap
   geometry::Point<D> x = {};
   FeatureSlot facet = kNil;  // the facet on which x lies
-  Axis axis = kNoAxis;       // x is the counterpart of the vertex at work
+  Origin origin;             // of x, if it is a counterpart
   bool required = false;     // a facet needs it: it cannot be left out
 };
 

@@ -160,8 +160,8 @@ void CompleteWork<D, E>::Insert(Context& context, Star<D>& star, const Link* lin
       PrefetchBeyond(star, *link, gap.corner);
     }
   }
-  const VertexIndex x =
-      EmitVertex(complex_, context, gap.x, ordinal, gap.facet == kNil ? D : 2, gap.facet, gap.axis);
+  const VertexIndex x = EmitVertex(complex_, context, gap.x, ordinal, gap.facet == kNil ? D : 2,
+                                   gap.facet, gap.origin);
   const int own = BucketOf(gap.e2);
   if (is_read_off) {  // requested when x is published (FirstGaps)
     complex_.hints.buckets[complex_.vertex(x).ordinal] = static_cast<std::uint16_t>(own);

@@ -100,6 +100,10 @@ struct Complex {
   // True if both lie on one shell, on segments that meet at a small angle; or on facets that do, as
   // sharp_facets.h says.
   bool IsSeditious(VertexIndex v, VertexIndex u) const;
+  // 3D. True if two opposite edges are seditious and a corner is a counterpart. Then the
+  // tetrahedron is flat within rounding if it has a common axis: its corners are those of a
+  // trapezoid across it.
+  bool IsFlatByCounterparts(const std::array<VertexIndex, 4>& v) const;
 
   // --- Input ------------------------------------------------------------------------------
 
@@ -173,7 +177,7 @@ struct Complex {
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
   bool HaveOneOrigin(VertexIndex v, VertexIndex u) const;
-  bool IsCounterpart(VertexIndex v) const { return elements.axis(v)[0] != kNil; }
+  bool IsCounterpart(VertexIndex v) const { return elements.origin(v).of != kNil; }
   // What v's creator worked on: a vertex, or the subsegment that it split.
   sac::Item ItemOfCreator(VertexIndex v) const;
 };
@@ -259,8 +263,9 @@ bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
 template <int D, template <class> class E>
 std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
   if (IsCounterpart(v)) {
-    std::optional<Shell> shell = ShellOf(ItemOfCreator(v));
-    if (!shell || !std::ranges::count(elements.axis(v), shell->apex)) return std::nullopt;
+    const Origin& origin = elements.origin(v);
+    std::optional<Shell> shell = ShellOf(origin.of);
+    if (!shell || !std::ranges::count(origin.axis, shell->apex)) return std::nullopt;
     shell->towards = vertex(v).p;
     return shell;
   }
@@ -324,8 +329,8 @@ bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
   Axis common = kNoAxis;
   bool is_first = true;
   const auto origin = [&](VertexIndex of) {
-    for (; IsCounterpart(of); of = ItemOfCreator(of)) {
-      const Axis& axis = elements.axis(of);
+    for (; IsCounterpart(of); of = elements.origin(of).of) {
+      const Axis& axis = elements.origin(of).axis;
       for (VertexIndex& c : common) {
         if (!is_first && !std::ranges::count(axis, c)) c = kNil;
       }
@@ -339,6 +344,15 @@ bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
   return std::ranges::any_of(common, [&](VertexIndex c) {
     return c != kNil && chord2 < geometry::SquaredDistance(vertex(v).p, vertex(c).p);
   });
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::IsFlatByCounterparts(const std::array<VertexIndex, 4>& v) const {
+  if (std::ranges::none_of(v, [this](VertexIndex a) { return IsCounterpart(a); })) return false;
+  const auto is_pair = [this](VertexIndex a, VertexIndex b) { return IsSeditious(a, b); };
+  return (is_pair(v[0], v[1]) && is_pair(v[2], v[3])) ||
+         (is_pair(v[0], v[2]) && is_pair(v[1], v[3])) ||
+         (is_pair(v[0], v[3]) && is_pair(v[1], v[2]));
 }
 
 template <int D, template <class> class E>

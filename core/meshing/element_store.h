@@ -40,19 +40,20 @@ class ElementStore {
   // A default element.
   VertexIndex NewVertex() {
     const VertexIndex v = New(vertices_, free_vertices_);
-    if (!axes_.empty()) axes_.erase(v);
+    if (!origins_.empty()) origins_.erase(v);
     return v;
   }
   SubsegmentIndex NewSubsegment() { return New(subsegments_, free_subsegments_); }
 
-  // The axis of a counterpart, else kNoAxis.
-  const Axis& axis(VertexIndex v) const {
-    if (axes_.empty()) return kNoAxis;
-    const auto it = axes_.find(v);
-    return it == axes_.end() ? kNoAxis : it->second;
+  // The origin of a counterpart, else one without a vertex.
+  const Origin& origin(VertexIndex v) const {
+    static constexpr Origin kNone;
+    if (origins_.empty()) return kNone;
+    const auto it = origins_.find(v);
+    return it == origins_.end() ? kNone : it->second;
   }
   // REQUIRES: v is new.
-  void SetAxis(VertexIndex v, const Axis& axis) { axes_[v] = axis; }
+  void SetOrigin(VertexIndex v, const Origin& origin) { origins_[v] = origin; }
 
   // The vertex appears or vanishes. REQUIRES: this is a change.
   void SetPresent(VertexIndex v, bool is) {
@@ -111,7 +112,7 @@ class ElementStore {
 
   std::size_t bytes() const {
     return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
-           axes_.capacity() * (sizeof(VertexIndex) + sizeof(Axis) + 1);
+           origins_.capacity() * (sizeof(VertexIndex) + sizeof(Origin) + 1);
   }
 
  private:
@@ -153,7 +154,7 @@ class ElementStore {
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_, changed_vertices_, released_vertices_;
   std::vector<SubsegmentIndex> free_subsegments_, changed_subsegments_, released_subsegments_;
-  absl::flat_hash_map<VertexIndex, Axis> axes_;  // of counterparts
+  absl::flat_hash_map<VertexIndex, Origin> origins_;  // of counterparts
   std::size_t vertex_count_ = 0;
   bool is_full_ = false;
 };

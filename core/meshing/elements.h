@@ -64,10 +64,16 @@ inline sac::Epoch CureEpoch(std::uint64_t round) {
 }
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 
-// The common edge or corner about which a vertex is the counterpart of its creator's
-// (sharp_facets.h): the ends, or one corner twice. kNil: it is no counterpart.
+// A common edge of two features, by its ends, or a common corner, twice.
 using Axis = std::array<VertexIndex, 2>;
 inline constexpr Axis kNoAxis = {kNil, kNil};
+// Of a counterpart (sharp_facets.h): the vertex that it is one of, and the axis. kNil: the vertex
+// is no counterpart.
+struct Origin {
+  VertexIndex of = kNil;
+  Axis axis = kNoAxis;
+  friend bool operator==(const Origin&, const Origin&) = default;
+};
 
 template <int D>
 struct Vertex {

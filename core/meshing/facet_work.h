@@ -29,6 +29,12 @@ inline constexpr double kNearFacet = 0.7;
 // Squared. A counterpart may have vertices nearer to it than the one that it is the counterpart of.
 // Its first work comes as if the nearest were at half of that distance: too early does no harm.
 inline constexpr double kNearCounterpart = 0.25;
+// A place on a facet that comes nearer than this to the counterpart of some other vertex gives way
+// to it. Else that counterpart would soon stand next to a vertex at the place, and the vertices
+// that this makes would again have counterparts on other facets: at an edge with many facets
+// without end. In units of the distance from the place to the vertex at work, and, if it is that of
+// a gap, of the gap's radius. 0.1 and 0.2 of a gap make larger meshes.
+inline constexpr double kGivesWay = 0.3, kGapGivesWay = 0.15;
 
 // A place on a facet; there is none if `facet` is null.
 struct PlaceOnFacet {
@@ -91,14 +97,18 @@ class FacetWork {
   bool FindPoint(const Star<D>& star, const SkippedGaps<D>& skipped, Candidate<D>* best);
   // Moves a gap's point to the facet next to it, if there is one. No vertex is nearer to the point
   // than its vertices are, at distance r. So no vertex is nearer to the new position than (1 -
-  // kNearFacet) r.
+  // kNearFacet) r; of one that gives way (1 - kNearFacet - kGapGivesWay) r.
   void MoveToFacet(const Star<D>& star, Candidate<D>* gap) const;
   // True if the cell of the star's vertex, which is to lie on facet `on`, meets no other facet.
   bool LeavesWhole(const Star<D>& star, FeatureSlot on);
 
  private:
-  // Moves the point of a facet to the counterpart of v there (sharp_facets.h), if there is one.
-  void MoveToCounterpart(VertexIndex v, Candidate<D>* point) const;
+  // Moves the point of a facet to the counterpart of v there (sharp_facets.h). False if there is
+  // none.
+  bool MoveToCounterpart(VertexIndex v, Candidate<D>* point) const;
+  // Moves the point of a facet to the nearest counterpart there of v or a neighbour, of several the
+  // least. False if none is within that distance of it.
+  bool GiveWay(const Star<D>& star, double within, Candidate<D>* point) const;
   // True if an edge of the star goes through the facet, with neither end on it.
   bool IsJoinedThrough(const Star<D>& star, const Facet& facet) const;
 
@@ -163,23 +173,53 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
       best->e2 = cut->distance2;
       best->facet = facet.feature();
     });
-    if (found) MoveToCounterpart(star.vertex(), best);
     best->required = found;
-    return found;
+    if (!found || MoveToCounterpart(star.vertex(), best)) return found;
+    const double h = std::sqrt(best->e2);
+    if (GiveWay(star, kGivesWay * h, best)) best->e2 = (1 - kGivesWay) * (1 - kGivesWay) * best->e2;
+    return true;
   }
   return false;
 }
 
 template <int D, template <class> class E>
-void FacetWork<D, E>::MoveToCounterpart(VertexIndex v, Candidate<D>* point) const {
+bool FacetWork<D, E>::MoveToCounterpart(VertexIndex v, Candidate<D>* point) const {
   if constexpr (D == 3) {
     const Facet& facet = complex_.facets[complex_.facets.OfFeature(point->facet)];
     const auto other = CounterpartOn(facet, complex_, v, point->neighbour);
-    if (!other) return;
+    if (!other) return false;
     point->x = other->p;
     point->e2 = kNearCounterpart * geometry::SquaredDistance(other->p, complex_.vertex(v).p);
-    point->axis = other->axis;
+    point->origin = {v, other->axis};
+    return true;
   }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool FacetWork<D, E>::GiveWay(const Star<D>& star, double within, Candidate<D>* point) const {
+  bool found = false;
+  if constexpr (D == 3) {
+    const Facet& facet = complex_.facets[complex_.facets.OfFeature(point->facet)];
+    const Point at = point->x;
+    double least = within * within;
+    const auto offer = [&](VertexIndex u) {
+      if (complex_.vertex(u).dimension != 2 || complex_.IsOnFacet(u, facet)) return;
+      const auto other = CounterpartOn(facet, complex_, u, at);
+      if (!other) return;
+      const double d2 = geometry::SquaredDistance(other->p, at);
+      if (d2 > least || (d2 == least && !(found && other->p < point->x))) return;
+      found = true;
+      least = d2;
+      point->x = other->p;
+      point->origin = {u, other->axis};
+    };
+    offer(star.vertex());
+    for (int i = 0; i < star.slot_count(); ++i) {
+      if (IsInView<D>(star[i])) offer(star[i].id);
+    }
+  }
+  return found;
 }
 
 template <int D, template <class> class E>
@@ -201,7 +241,8 @@ void FacetWork<D, E>::MoveToFacet(const Star<D>& star, Candidate<D>* gap) const 
     if (foot.facet == nullptr) return;
     gap->x = foot.p;
     gap->facet = foot.facet->feature();
-    const double nearest = (1 - kNearFacet) * r;
+    const bool gives_way = GiveWay(star, kGapGivesWay * r, gap);
+    const double nearest = (1 - kNearFacet - (gives_way ? kGapGivesWay : 0)) * r;
     gap->e2 = nearest * nearest;
   }
 }

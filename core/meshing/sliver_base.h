@@ -3,6 +3,7 @@
 #define DYNMESH_CORE_MESHING_SLIVER_BASE_H_
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,9 @@ class SliverBase {
   auto IsSeditious() const {
     return [this](VertexIndex v, VertexIndex u) { return complex_.IsSeditious(v, u); };
   }
+  auto IsFlat() const {
+    return [this](const std::array<VertexIndex, 4>& v) { return complex_.IsFlatByCounterparts(v); };
+  }
 
   Complex<D, E>& complex_;
   EngineOf<D, E>& engine_;
@@ -57,7 +61,9 @@ bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
       }
       if (base->is_full()) return complex_.triangulation_full = true;
       const bool is_to_change = kTraced || base == &whole;
-      if (!complex_.slivers.Begin(*base, is_to_change, IsSeditious(), interrupt)) return false;
+      if (!complex_.slivers.Begin(*base, is_to_change, IsSeditious(), IsFlat(), interrupt)) {
+        return false;
+      }
       complex_.triangulation = nullptr;
     }
     complex_.changed_base.clear();
@@ -118,7 +124,7 @@ void SliverBase<D, E>::Follow() {
       complex_.slivers.Insert(v, complex_.vertex(v).p, near);
     }
     if (complex_.slivers.base().is_full()) complex_.triangulation_full = true;
-    if (!complex_.is_full()) complex_.slivers.FindSlivers(IsSeditious());
+    if (!complex_.is_full()) complex_.slivers.FindSlivers(IsSeditious(), IsFlat());
   }
 }
 

@@ -66,7 +66,7 @@ void SetNormal(const Corners& corners, Sliver* sliver) {
 
 }  // namespace
 
-bool SliverTable::Begin(const Base& whole, bool is_to_change, IsExcused is_excused,
+bool SliverTable::Begin(const Base& whole, bool is_to_change, IsExcused is_excused, IsFlat is_flat,
                         absl::FunctionRef<bool()> interrupt) {
   constexpr std::uint32_t kAtOnce = 4096;
   if (is_to_change) own_.Copy(whole);
@@ -75,7 +75,7 @@ bool SliverTable::Begin(const Base& whole, bool is_to_change, IsExcused is_excus
     if (t % kAtOnce == 0 && interrupt()) return false;
     if (base_->IsInfinite(t)) continue;
     if (is_to_change) own_.set_tag(t, 0);
-    Look(t, is_excused);
+    Look(t, is_excused, is_flat);
   }
   return true;
 }
@@ -105,12 +105,12 @@ void SliverTable::RecordChanges() {
   fresh_.insert(fresh_.end(), created.begin(), created.end());
 }
 
-void SliverTable::FindSlivers(IsExcused is_excused) {
+void SliverTable::FindSlivers(IsExcused is_excused, IsFlat is_flat) {
   // Some were deleted again, some indices were used twice.
   std::sort(fresh_.begin(), fresh_.end());
   fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
   for (const std::uint32_t t : fresh_) {
-    if (!own_.IsInfinite(t)) Look(t, is_excused);
+    if (!own_.IsInfinite(t)) Look(t, is_excused, is_flat);
   }
   fresh_.clear();
 }
@@ -134,9 +134,9 @@ bool SliverTable::IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p,
   return IsBelow(bound_, Corners(v, p), is_excused);
 }
 
-void SliverTable::Look(std::uint32_t simplex, IsExcused is_excused) {
+void SliverTable::Look(std::uint32_t simplex, IsExcused is_excused, IsFlat is_flat) {
   const Corners corners(base_->vertices(simplex), *base_);
-  if (!IsBelow(bound_, corners, is_excused)) return;
+  if (!IsBelow(bound_, corners, is_excused) || is_flat(corners.v)) return;
   const SliverIndex i = Find(corners.v);
   Sliver& sliver = slivers_[i];
   sliver.v = corners.v;

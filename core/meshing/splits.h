@@ -43,12 +43,12 @@ std::pair<geometry::Point<D>, std::array<SplitRule, 2>> SplitOf(const Complex<D,
 template <int D, template <class> class E>
 VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
                        const geometry::Point<D>& p, int ordinal, int dimension, FeatureSlot feature,
-                       const Axis& axis = kNoAxis) {
+                       const Origin& origin = {}) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kVertex) continue;
     const Vertex<D>& old = complex.vertex(IndexOf(o));
     if (old.p == p && old.ordinal == ordinal && old.feature == feature &&
-        complex.elements.axis(IndexOf(o)) == axis && old.present) {
+        complex.elements.origin(IndexOf(o)) == origin && old.present) {
       context.Emit(o);
       return IndexOf(o);
     }
@@ -64,7 +64,7 @@ VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
     vertex.creator = context.item;
   }
   vertex.feature = feature;
-  if (axis != kNoAxis) complex.elements.SetAxis(v, axis);
+  if (origin.of != kNil) complex.elements.SetOrigin(v, origin);
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   vertex.ordinal = static_cast<std::uint8_t>(ordinal);
   context.Emit(MakeOutput(Made::kVertex, v));

@@ -162,6 +162,7 @@ class Judge<3> {
 
   Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
       : coordinates_(mesh.vertices.coordinates),
+        containing_dimensions_(mesh.vertices.containing_dimensions),
         rho_(options.quality),
         unit_(unit),
         seditious_(mesh, row_of),
@@ -183,7 +184,8 @@ class Judge<3> {
   // Of the dihedral angles; kExcused: some are below the bound, but none that counts.
   enum class Angles { kGood, kExcused, kBelow };
   // As the mesher decides it; below for inverted tetrahedra, too. An angle opposite to a seditious
-  // edge does not count.
+  // edge does not count, nor does any if two opposite edges are seditious and a corner is inside a
+  // facet: such a tetrahedron is a trapezoid across a small angle between facets.
   Angles DihedralAngles(const Rows<3>& rows, const Quality& q) const {
     if (!HasDihedralBound()) return Angles::kGood;
     if (std::isinf(q.radius_edge)) return Angles::kBelow;
@@ -196,7 +198,7 @@ class Judge<3> {
       return seditious_.Has(sorted[static_cast<std::size_t>(i)],
                             sorted[static_cast<std::size_t>(j)]);
     });
-    return is_below ? Angles::kBelow : Angles::kExcused;
+    return is_below && !IsTrapezoid(rows) ? Angles::kBelow : Angles::kExcused;
   }
   std::array<double, 3> CentroidOf(const Rows<3>& rows) const {
     std::array<double, 3> mean = {0, 0, 0};
@@ -208,6 +210,15 @@ class Judge<3> {
 
  private:
   const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
+  bool IsTrapezoid(const Rows<3>& rows) const {
+    const auto is_in_facet = [&](std::size_t row) { return containing_dimensions_[row] == 2; };
+    if (std::ranges::none_of(rows, is_in_facet)) return false;
+    const auto is_side = [&](std::size_t i, std::size_t j) {
+      return seditious_.Has(rows[i], rows[j]);
+    };
+    return (is_side(0, 1) && is_side(2, 3)) || (is_side(0, 2) && is_side(1, 3)) ||
+           (is_side(0, 3) && is_side(1, 2));
+  }
   // Of one over rho: is it within rho of its shortest edge that counts? Corners that seditious
   // edges join stand for one: of the edges between two such groups the longest counts. (The other
   // corners of the groups hide the gaps of the shorter ones from the mesher.)
@@ -249,6 +260,7 @@ class Judge<3> {
   }
 
   const std::vector<double>& coordinates_;
+  const std::vector<std::uint8_t>& containing_dimensions_;
   const double rho_, unit_;
   const quality::SeditiousEdges seditious_;
   const geometry::DihedralBound dihedral_;

@@ -104,9 +104,8 @@ template <int D>
 VertexIndex PlcInput<D>::AddSteiner(const SteinerPoint<D>& steiner) {
   if (steiner.facet == kNone) return NewVertex(steiner.p, D, meshing::kNil);
   const VertexIndex v = NewVertex(steiner.p, 2, complex_.facets[steiner.facet].feature());
-  if (steiner.axis != meshing::kNoAxis) {
-    complex_.vertex(v).creator = steiner.of;
-    complex_.elements.SetAxis(v, steiner.axis);
+  if (steiner.of != kNone) {
+    complex_.elements.SetOrigin(v, {steiner.of, steiner.axis});
     has_wedges_ = true;
   }
   return v;
