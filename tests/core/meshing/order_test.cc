@@ -43,7 +43,8 @@ struct Scene {
     if constexpr (D == 3) {
       base = lone.TriangulationAt(1);
       lone.complex.slivers.Begin(
-          base, false, [](auto, auto) { return false; }, [] { return false; });
+          base, false, [](auto, auto) { return false; }, [](const auto&) { return false; },
+          [] { return false; });
       lone.complex.slivers.TakeChanges(
           [&](SliverIndex i) {
             operations.push_back({kCure, i});
