@@ -23,8 +23,8 @@ using geometry::Vector3;
 
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
-// cos(10 degrees), plus a millionth.
-constexpr double kMostCosine = 0.98480775301220806 * kWider;
+// cos(20 degrees), plus a millionth.
+constexpr double kMostCosine = 0.93969262078590838 * kWider;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 

@@ -55,7 +55,7 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
 constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);  // 0.001 degrees
-constexpr double kTen = 0.96984631039295421 * (1 + 2e-6);          // cos(10 degrees), squared
+constexpr double kTwenty = 0.88302222155948902 * (1 + 2e-6);       // cos(20 degrees), squared
 
 class Face {
  public:
@@ -109,10 +109,10 @@ class Face {
     }
     return inside;
   }
-  // True if d, from the corner, rises over the inside at less than 10 degrees.
-  bool IsBelowTenOver(const P& corner, const V& d) const {
+  // True if d, from the corner, rises over the inside at less than 20 degrees.
+  bool IsBelowTwentyOver(const P& corner, const V& d) const {
     const V flat = d - (d * normal_) / (normal_ * normal_) * normal_;
-    return Holds(corner + kStep * flat) && IsBelow(d, flat, kTen);
+    return Holds(corner + kStep * flat) && IsBelow(d, flat, kTwenty);
   }
   // From the middle of an edge into the inside.
   V Inward(const Edge& e) const {
@@ -197,14 +197,14 @@ bool IsSharp(const Face& f, const Face& g) {
     joined.insert({e.p_id, e.q_id});
     for (const Edge& h : g.edges()) {
       if (std::minmax(e.p_id, e.q_id) != std::minmax(h.p_id, h.q_id)) continue;
-      if (IsBelow(f.Inward(e), g.Inward(h), kTen)) return true;
+      if (IsBelow(f.Inward(e), g.Inward(h), kTwenty)) return true;
     }
   }
   const auto rises = [&](const Face& a, const Face& b) {
     return std::any_of(b.edges().begin(), b.edges().end(), [&](const Edge& e) {
       const auto at = [&](FeatureId id, const V& d) {
         return a.corners().contains(id) && !joined.contains(id) &&
-               a.IsBelowTenOver(a.corners().at(id), d);
+               a.IsBelowTwentyOver(a.corners().at(id), d);
       };
       return at(e.p_id, e.q - e.p) || at(e.q_id, e.p - e.q);
     });
@@ -294,7 +294,7 @@ std::vector<Offence> FindOffences(const FeatureMap& features, double limit) {
       if (f.HasEdge(s.p_id, s.q_id)) continue;
       if (Meets(s, f)) found.push_back({"segment and polygon", s.ids, {f.id()}});
       const auto sharp = [&](FeatureId id, const P& p, const V& d) {
-        return f.corners().contains(id) && f.IsBelowTenOver(p, d);
+        return f.corners().contains(id) && f.IsBelowTwentyOver(p, d);
       };
       if (s.is_segment && (sharp(s.p_id, s.p, s.q - s.p) || sharp(s.q_id, s.q, s.p - s.q))) {
         found.push_back({"angle of segment and polygon", s.ids, {f.id()}});

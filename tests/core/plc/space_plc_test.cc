@@ -271,16 +271,16 @@ EditBatch Wedge(double degrees) {
           AddPolygon(10, {{1, 2, 3, 4}}),      AddPolygon(11, {{1, 2, 5, 6}})};
 }
 
-TEST(SpacePlc, PolygonsMeetAtTenDegreesOrMore) {
-  for (const double angle : {10.0, 10.5, 70.0, 90.0, 135.0, 180.0, 225.0, 350.0})
+TEST(SpacePlc, PolygonsMeetAtTwentyDegreesOrMore) {
+  for (const double angle : {20.0, 20.5, 70.0, 90.0, 135.0, 180.0, 225.0, 340.0})
     ExpectLegal(Wedge(angle));
-  for (const double angle : {0.5, 9.9, 350.2, 355.0}) {
+  for (const double angle : {0.5, 19.9, 340.2, 350.0}) {
     ExpectRefused(Wedge(angle), reason::kSmallAngle, {11, 10});
   }
-  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(5));
+  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(15));
   EXPECT_NE(std::string(delta.status().message())
                 .find("polygon 11 and polygon 10 meet in an angle "
-                      "of 5 degrees; at least 10 are needed"),
+                      "of 15 degrees; at least 20 are needed"),
             std::string::npos)
       << delta.status();
 }
@@ -312,9 +312,9 @@ EditBatch Overhang(double degrees) {
           AddPolygon(11, {{6, 5, 7, 8, 9}})};
 }
 
-TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtTenDegreesOrMore) {
-  for (const double angle : {10.5, 70.0, 90.0, 100.0}) ExpectLegal(Overhang(angle));
-  for (const double angle : {2.0, 5.0, 9.5}) {
+TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtTwentyDegreesOrMore) {
+  for (const double angle : {20.5, 70.0, 90.0, 100.0}) ExpectLegal(Overhang(angle));
+  for (const double angle : {5.0, 10.0, 19.5}) {
     ExpectRefused(Overhang(angle), reason::kSmallAngle, {11, 10});
   }
 }
@@ -338,12 +338,12 @@ TEST(SpacePlc, AnglesAreThoseOfTheInsideHoweverItIsCutIntoRings) {
   for (const Rings& rings : {crossing, touching}) {
     ExpectLegal(plate(100, rings));
     ExpectLegal(plate(45, rings));
-    ExpectLegal(plate(165, rings));
-    ExpectRefused(plate(172, rings), reason::kSmallAngle, {21, 20});
+    ExpectLegal(plate(155, rings));
+    ExpectRefused(plate(165, rings), reason::kSmallAngle, {21, 20});
   }
 }
 
-TEST(SpacePlc, SegmentsRiseFromPolygonsAtTenDegreesOrMore) {
+TEST(SpacePlc, SegmentsRiseFromPolygonsAtTwentyDegreesOrMore) {
   // From corner 1 in direction of the middle, at that height.
   const auto spike = [](double degrees) {
     const double a = degrees * std::numbers::pi / 180, along = 0.3 * std::cos(a) / std::sqrt(2);
@@ -351,8 +351,8 @@ TEST(SpacePlc, SegmentsRiseFromPolygonsAtTenDegreesOrMore) {
                                Edit::Add(Feature::Segment(21, 1, 20))};
   };
   ExpectLegal(spike(90));
-  ExpectLegal(spike(11));
-  ExpectRefused(spike(9), reason::kSmallAngle, {21, 10});
+  ExpectLegal(spike(21));
+  ExpectRefused(spike(19), reason::kSmallAngle, {21, 10});
   // Away from the inside the angles to the edges count.
   ExpectLegal(spike(150));
   ExpectLegal(spike(180));
