@@ -164,7 +164,7 @@ double FarthestFrom(const PlainSurface& from, const PlainSurface& to) {
   return most;
 }
 
-constexpr int kSeeds = 6;
+constexpr int kSeeds = 4;
 
 TEST(CleanSurfaces, SoupsMeetInCornersAndEdgesOnly) {
   std::map<std::string, int> of_all;

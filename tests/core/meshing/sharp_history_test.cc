@@ -93,7 +93,7 @@ class History {
 
 TEST(SharpHistory, EveryRevisionIsAsFromScratch) {
   int accepted = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     History history(seed);
     for (int step = 0; step < 20 && !testing::Test::HasFailure(); ++step) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step));
@@ -102,7 +102,7 @@ TEST(SharpHistory, EveryRevisionIsAsFromScratch) {
       history.ExpectAsFromScratch();
     }
   }
-  EXPECT_GT(accepted, 100);
+  EXPECT_GT(accepted, 60);
 }
 
 }  // namespace
