@@ -70,12 +70,27 @@ TEST(VerifyPart, FindsAVertexThatWasMoved) {
     io::MeshFiles part = SomeOf(in_space ? MakeGoodFiles(seed + i, 30).files.mesh
                                          : testing::MakeGoodMesh(seed + i, 60).files.mesh,
                                 random, 100);
-    // To the middle of two others: something turns over, or overlaps.
+    // Into a simplex that it is no corner of: something turns over, or overlaps.
     auto& vertices = part.mesh.vertices;
-    const auto any = [&] { return random() % vertices.size(); };
-    auto& v = vertices[any()];
-    const auto a = vertices[any()], b = vertices[any()];
-    v.x = (a.x + b.x) / 2 + 1e-3, v.y = (a.y + b.y) / 2, v.z = (a.z + b.z) / 2;
+    const auto moved = static_cast<std::uint32_t>(random() % vertices.size());
+    const auto move_into = [&](const auto& simplices) {
+      std::size_t s = 0;
+      do {
+        s = random() % simplices.size();
+      } while (std::ranges::count(simplices[s], moved) != 0);
+      double x = 0, y = 0, z = 0;
+      for (const std::uint32_t corner : simplices[s]) {
+        x += vertices[corner].x, y += vertices[corner].y, z += vertices[corner].z;
+      }
+      const auto corners = static_cast<double>(simplices[s].size());
+      auto& v = vertices[moved];
+      v.x = x / corners, v.y = y / corners, v.z = z / corners;
+    };
+    if (in_space) {
+      move_into(part.mesh.tetrahedra);
+    } else {
+      move_into(part.mesh.triangles);
+    }
     EXPECT_FALSE(JudgeForeign(part).Passed()) << seed << " " << i;
   }
 }
