@@ -300,8 +300,8 @@ TEST_F(EditStreamTest, TheServerReadsNoMoreThanItsWindow) {
   EXPECT_TRUE(stream.Finish().ok());
 }
 
-// The server reads no batch while an answer waits to be sent. (How far it runs ahead of the client is
-// up to gRPC, which takes some answers: its windows grow with time.)
+// The server reads no batch while an answer waits to be sent. (How far it runs ahead of the client
+// is up to gRPC, which takes some answers: its windows grow with time.)
 TEST_F(EditStreamTest, AnswersArriveInOrderHoweverFewBytesMayWait) {
   ServerConfig config;
   config.edit_answer_bytes = 1;
