@@ -1,34 +1,26 @@
 #include "client/cleaning/clean_input.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <limits>
+#include <tuple>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/cleaning/entry.h"
 #include "client/cleaning/line_graph.h"
 #include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
 #include "core/base/rings.h"
 #include "core/base/size_shapes.h"
 #include "core/base/text.h"
-#include "dynmesh/error.h"
 
 namespace dynmesh::cleaning {
 namespace {
 
 using text::Concat;
 
-constexpr double kMaxMagnitude = 0x1p200;
-constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 is rounded to 0
-constexpr double kMinTolerance = 0x1p-41;         // relative to the largest coordinate: 2^11 ulps
-constexpr FeatureId kMaxId = ~FeatureId{0} >> 1;  // leaves room for new ones
-
-absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
-  return MakeError(absl::StatusCode::kInvalidArgument, std::move(message),
-                   {reason, std::move(ids), std::nullopt});
-}
+// Half of the ids are left for new ones.
+constexpr EntryLimits kLimits = {2, 200, ~FeatureId{0} >> 1};
 
 class Cleaner {
  public:
@@ -36,8 +28,10 @@ class Cleaner {
       : features_(features), options_(options), graph_(options.tolerance) {}
 
   absl::StatusOr<CleanResult> Run() {
-    if (auto status = Enter(); !status.ok()) return status;
-    AddNodes();
+    const absl::StatusOr<FeatureId> max_id = CheckFeatures(features_, options_.tolerance, kLimits);
+    if (!max_id.ok()) return max_id.status();
+    max_id_ = *max_id;
+    EnterPoints<2>(features_, graph_, node_of_);
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kSegment) {
         const Node a = node_of_[f.ends[0]], b = node_of_[f.ends[1]];
@@ -62,89 +56,6 @@ class Cleaner {
   }
 
  private:
-  // Checks the features, and finds the points.
-  absl::Status Enter() {
-    absl::flat_hash_map<FeatureId, const Feature*> known;
-    double magnitude = 0;
-    for (const Feature& f : features_) {
-      if (f.id == kNoFeature || f.id > kMaxId) {
-        return Refuse(reason::kBadId, {f.id},
-                      Concat("feature ", f.id, ": ids run from 1 to ", kMaxId, " here"));
-      }
-      if (!known.emplace(f.id, &f).second) {
-        return Refuse(reason::kIdInUse, {f.id}, Concat("feature ", f.id, " stands twice"));
-      }
-      max_id_ = std::max(max_id_, f.id);
-      if (f.kind != FeatureKind::kPoint) continue;
-      for (std::size_t i = 0; i < 2; ++i) {
-        const double x = std::abs(f.position[i]);
-        if (!(x <= kMaxMagnitude)) {
-          return Refuse(
-              reason::kNotFinite, {f.id},
-              Concat("point ", f.id, " has a coordinate that is not finite or above 2^200"));
-        }
-        magnitude = std::max(magnitude, x);
-      }
-    }
-    for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kSegment) continue;
-      for (const FeatureId end : f.ends) {
-        const auto it = known.find(end);
-        if (it != known.end() && it->second->kind == FeatureKind::kPoint) continue;
-        return Refuse(reason::kUnknownEnd, {f.id, end},
-                      Concat("segment ", f.id, " ends at ", end, ", which is no point; add it"));
-      }
-    }
-    for (const Feature& f : features_) {
-      for (const auto& ring : f.rings) {
-        for (const FeatureId corner : ring) {
-          const auto it = known.find(corner);
-          if (it != known.end() && it->second->kind == FeatureKind::kPoint) continue;
-          return Refuse(
-              reason::kUnknownEnd, {f.id, corner},
-              Concat("polygon ", f.id, " has the corner ", corner, ", which is no point; add it"));
-        }
-      }
-    }
-    const double tolerance = options_.tolerance;
-    if (!(tolerance > 0 && tolerance <= kMaxMagnitude && tolerance >= kMinTolerance * magnitude)) {
-      return absl::InvalidArgumentError(Concat("the tolerance ", tolerance, " is not between ",
-                                               kMinTolerance * magnitude,
-                                               " (2^-41 of the largest coordinate) and 2^200"));
-    }
-    return absl::OkStatus();
-  }
-
-  void AddNodes() {
-    struct Entry {
-      Point at;
-      FeatureId id;
-    };
-    std::vector<Entry> entries;
-    for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint) continue;
-      const Point given = {f.position[0] + 0.0, f.position[1] + 0.0};  // -0 becomes 0
-      Point at = given;
-      for (double& x : at) {
-        if (std::abs(x) < kMinCoordinate) x = 0;
-      }
-      if (at != given) graph_.changes.push_back({ChangeKind::kPointRounded, {f.id}, given, at});
-      entries.push_back({at, f.id});
-    }
-    std::sort(entries.begin(), entries.end(), [](const Entry& s, const Entry& t) {
-      return std::tie(s.at, s.id) < std::tie(t.at, t.id);
-    });
-    for (const Entry& entry : entries) {
-      const std::optional<Node> near = graph_.nodes.Near(entry.at);
-      node_of_[entry.id] = near ? *near : graph_.AddNode(entry.at, entry.id);
-      if (!near) continue;
-      graph_.changes.push_back({ChangeKind::kPointMerged,
-                                {entry.id, graph_.point_ids[*near]},
-                                entry.at,
-                                graph_.nodes.at(*near)});
-    }
-  }
-
   absl::Status NotDone(const Rounds& rounds) const {
     return absl::ResourceExhaustedError(
         Concat("after ", graph_.round, " rounds ", rounds.found(),

@@ -1,39 +1,30 @@
 #include "client/cleaning/clean_surfaces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
-#include <tuple>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "client/cleaning/entry.h"
 #include "client/cleaning/surface.h"
 #include "client/cleaning/surface_polygons.h"
 #include "client/cleaning/surface_round.h"
 #include "core/base/text.h"
-#include "dynmesh/error.h"
 
 namespace dynmesh::cleaning {
 namespace {
 
 using text::Concat;
 
-constexpr double kMaxMagnitude = 0x1p140;
-constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 is rounded to 0
-constexpr double kMinTolerance = 0x1p-41;         // relative to the largest coordinate: 2^11 ulps
-constexpr FeatureId kMaxId = ~FeatureId{0} >> 2;  // leaves room for new ones
+// Three quarters of the ids are left for new ones.
+constexpr EntryLimits kLimits = {3, 140, ~FeatureId{0} >> 2};
 // How flat a polygon must be to stay one, in tolerances.
 constexpr double kFlat = 1.0 / 16;
 // Rounds that find no fewer faults than the best one before them.
 constexpr int kMostStalled = 3;
 // Faults of a round, in units of the first two.
 constexpr std::size_t kMostGrowth = 2;
-
-absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
-  return MakeError(absl::StatusCode::kInvalidArgument, std::move(message),
-                   {reason, std::move(ids), std::nullopt});
-}
 
 class SurfaceCleaner {
  public:
@@ -43,14 +34,17 @@ class SurfaceCleaner {
       : features_(features), options_(options), flat_(flat), surface_(options.tolerance) {}
 
   absl::StatusOr<SurfaceCleanResult> Run() {
-    if (auto status = Enter(); !status.ok()) return status;
-    AddNodes();
+    const absl::StatusOr<FeatureId> max_id = CheckFeatures(features_, options_.tolerance, kLimits);
+    if (!max_id.ok()) return max_id.status();
+    surface_.next_id = *max_id + 1;
+    EnterPoints<3>(features_, surface_, node_of_);
+    const absl::flat_hash_set<FeatureId> named = Named();
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kSegment) AddSegment(f);
       if (f.kind == FeatureKind::kPolygon) AddPolygon(f);
     }
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint || is_named_.contains(f.id)) continue;
+      if (f.kind != FeatureKind::kPoint || named.contains(f.id)) continue;
       surface_.Add(std::array{node_of_.at(f.id)}, {f.id});
     }
     surface_.Settle();
@@ -81,78 +75,14 @@ class SurfaceCleaner {
     bool may_stay = false;  // a polygon, if nothing changes its pieces
   };
 
-  // Checks the features, and finds the points.
-  absl::Status Enter() {
-    absl::flat_hash_map<FeatureId, const Feature*> known;
-    double magnitude = 0;
+  // The ends and corners.
+  absl::flat_hash_set<FeatureId> Named() const {
+    absl::flat_hash_set<FeatureId> named;
     for (const Feature& f : features_) {
-      if (f.id == kNoFeature || f.id > kMaxId) {
-        return Refuse(reason::kBadId, {f.id},
-                      Concat("feature ", f.id, ": ids run from 1 to ", kMaxId, " here"));
-      }
-      if (!known.emplace(f.id, &f).second) {
-        return Refuse(reason::kIdInUse, {f.id}, Concat("feature ", f.id, " stands twice"));
-      }
-      surface_.next_id = std::max(surface_.next_id, f.id);
-      if (f.kind != FeatureKind::kPoint) continue;
-      for (const double x : f.position) {
-        if (!(std::abs(x) <= kMaxMagnitude)) {
-          return Refuse(
-              reason::kNotFinite, {f.id},
-              Concat("point ", f.id, " has a coordinate that is not finite or above 2^140"));
-        }
-        magnitude = std::max(magnitude, std::abs(x));
-      }
+      if (f.kind == FeatureKind::kSegment) named.insert(f.ends.begin(), f.ends.end());
+      for (const auto& ring : f.rings) named.insert(ring.begin(), ring.end());
     }
-    ++surface_.next_id;
-    const auto name = [&](const Feature& f, FeatureId id, const char* what) -> absl::Status {
-      const auto it = known.find(id);
-      is_named_.insert(id);
-      if (it != known.end() && it->second->kind == FeatureKind::kPoint) return absl::OkStatus();
-      return Refuse(reason::kUnknownEnd, {f.id, id},
-                    Concat(what, " ", f.id, " has the corner ", id, ", which is no point; add it"));
-    };
-    for (const Feature& f : features_) {
-      for (const FeatureId end : f.ends) {
-        if (f.kind != FeatureKind::kSegment) continue;
-        if (auto status = name(f, end, "segment"); !status.ok()) return status;
-      }
-      for (const auto& ring : f.rings) {
-        for (const FeatureId corner : ring) {
-          if (auto status = name(f, corner, "polygon"); !status.ok()) return status;
-        }
-      }
-    }
-    const double tolerance = options_.tolerance;
-    if (!(tolerance > 0 && tolerance <= kMaxMagnitude && tolerance >= kMinTolerance * magnitude)) {
-      return absl::InvalidArgumentError(Concat("the tolerance ", tolerance, " is not between ",
-                                               kMinTolerance * magnitude,
-                                               " (2^-41 of the largest coordinate) and 2^140"));
-    }
-    return absl::OkStatus();
-  }
-
-  void AddNodes() {
-    std::vector<std::pair<Point3, FeatureId>> entries;
-    for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint) continue;
-      Point3 at = f.position;
-      for (double& x : at) x = std::abs(x) < kMinCoordinate ? 0 : x;  // -0 becomes 0, too
-      if (at != f.position) {
-        surface_.changes.push_back({SurfaceChangeKind::kPointRounded, {f.id}, f.position, at});
-      }
-      entries.emplace_back(at, f.id);
-    }
-    std::sort(entries.begin(), entries.end());
-    for (const auto& [at, id] : entries) {
-      const std::optional<Node> near = surface_.nodes.Near(at);
-      node_of_[id] = near ? *near : surface_.AddNode(at, id);
-      if (!near) continue;
-      surface_.changes.push_back({SurfaceChangeKind::kPointMerged,
-                                  {id, surface_.point_ids[*near]},
-                                  at,
-                                  surface_.at(*near)});
-    }
+    return named;
   }
 
   void AddSegment(const Feature& f) {
@@ -339,7 +269,6 @@ class SurfaceCleaner {
   Surface surface_;
   absl::flat_hash_map<FeatureId, Node> node_of_;
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
-  absl::flat_hash_set<FeatureId> is_named_;  // an end or a corner
 };
 
 }  // namespace

@@ -1,15 +1,14 @@
 // dynmesh import INPUT -o OUT: converts any input to .poly or an edit script, cleaned on request.
 // Of 3D input: import_surface.h.
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
 
-#include "absl/strings/str_format.h"
 #include "client/cleaning/clean_input.h"
 #include "client/cli/command.h"
+#include "client/cli/import_report.h"
 #include "client/cli/import_surface.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
@@ -17,9 +16,7 @@
 #include "client/cli/progress_bar.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
-#include "core/io/common/file_writer.h"
 #include "core/io/plane/planar_output.h"
-#include "core/plc/rules.h"
 #include "dynmesh/dynamic_mesh.h"
 
 namespace dynmesh::cli {
@@ -56,29 +53,10 @@ absl::StatusOr<OutputKind> OutputKindOf(const std::string& path) {
       Concat("-o: ", path, " is neither a .poly nor a .dynmesh (an edit script)"));
 }
 
-std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind) {
-  std::size_t count = 0;
-  for (const Feature& f : features) count += f.kind == kind ? 1 : 0;
-  return count;
-}
-
 double DistanceOf(const Change& change) {
   // For these kinds `from` and `to` are the ends of an edge, not a motion.
   if (change.kind == ChangeKind::kDoubled || change.kind == ChangeKind::kCancelled) return 0;
   return std::hypot(change.from[0] - change.to[0], change.from[1] - change.to[1]);
-}
-
-std::string ToJson(const Change& change) {
-  std::vector<std::string> ids;
-  for (const FeatureId id : change.ids) ids.push_back(Concat(id));
-  return JsonObject()
-      .AddText("change", cleaning::NameOf(change.kind))
-      .AddTexts("ids", ids)
-      .Add("x", change.from[0])
-      .Add("y", change.from[1])
-      .Add("to_x", change.to[0])
-      .Add("to_y", change.to[1])
-      .ToLine();
 }
 
 // The remaining polygons with the map's own names for them.
@@ -98,61 +76,6 @@ std::string ToJson(const std::vector<io::PolygonName>& names,
     lines += object.ToLine();
   }
   return lines;
-}
-
-struct Summary {
-  std::array<std::size_t, 2> points{};  // before, after
-  std::array<std::size_t, 2> segments{};
-  std::array<std::size_t, 2> polygons{};
-  std::array<std::size_t, cleaning::kChangeKinds> changes{};
-  double largest_step = 0;
-  int rounds = 0;
-  double tolerance = 0;
-  double clean_seconds = 0;
-  bool cleaned = false;
-};
-
-std::string ToText(const Summary& s, bool json) {
-  if (json) {
-    JsonObject object;
-    object.Add("summary", true)
-        .Add("points_read", s.points[0])
-        .Add("segments_read", s.segments[0])
-        .Add("polygons_read", s.polygons[0])
-        .Add("points", s.points[1])
-        .Add("segments", s.segments[1])
-        .Add("polygons", s.polygons[1])
-        .Add("cleaned", s.cleaned);
-    if (!s.cleaned) return object.ToLine();
-    std::size_t all = 0;
-    for (std::size_t k = 0; k < s.changes.size(); ++k) {
-      std::string key = cleaning::NameOf(static_cast<ChangeKind>(k));
-      for (char& c : key) c = c == ' ' ? '_' : c;
-      object.Add(key, s.changes[k]);
-      all += s.changes[k];
-    }
-    return object.Add("changes", all)
-        .Add("largest_step", s.largest_step)
-        .Add("tolerance", s.tolerance)
-        .Add("rounds", s.rounds)
-        .Add("clean_seconds", s.clean_seconds)
-        .ToLine();
-  }
-  std::string text = absl::StrFormat(
-      "points             %d (%d read)\n"
-      "segments           %d (%d read)\n"
-      "polygons           %d (%d read)\n",
-      s.points[1], s.points[0], s.segments[1], s.segments[0], s.polygons[1], s.polygons[0]);
-  if (!s.cleaned) return text;
-  for (std::size_t k = 0; k < s.changes.size(); ++k) {
-    text +=
-        absl::StrFormat("%-18s %d\n", cleaning::NameOf(static_cast<ChangeKind>(k)), s.changes[k]);
-  }
-  return text + absl::StrFormat(
-                    "largest step       %.6g\n"
-                    "tolerance          %.6g\n"
-                    "cleaned in         %.3f s, %d rounds\n",
-                    s.largest_step, s.tolerance, s.clean_seconds, s.rounds);
 }
 
 // Checks that a mesh accepts these: the result of cleaning is verified, too.
@@ -179,21 +102,10 @@ absl::Status CheckInside(const Input& input) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<double> ToleranceOf(const ImportCommand& command, const MeshOptions& options) {
-  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  const double limit = plc::CloseLimit(options);
-  if (!command.tolerance) return kDefaultCloseLimits * limit;
-  if (!std::isfinite(*command.tolerance) || *command.tolerance < kLeastCloseLimits * limit) {
-    return absl::InvalidArgumentError(Concat("--tolerance: in this box it must be at least ",
-                                             io::FormatDouble(kLeastCloseLimits * limit),
-                                             ", found ", io::FormatDouble(*command.tolerance)));
-  }
-  return *command.tolerance;
-}
-
 absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult& result,
-                   Summary& summary) {
-  const absl::StatusOr<double> tolerance = ToleranceOf(command, input.options);
+                   ImportSummary& summary) {
+  const absl::StatusOr<double> tolerance =
+      ToleranceOf(command.tolerance, input.options, kDefaultCloseLimits, kLeastCloseLimits);
   if (!tolerance.ok()) return tolerance.status();
   cleaning::CleanOptions options;
   options.tolerance = *tolerance;
@@ -205,13 +117,10 @@ absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult
   if (absl::Status status = ValidateFeatures(result.features, input.options); !status.ok()) {
     return Locate(status, input.where);
   }
-  summary.cleaned = true;
-  summary.tolerance = *tolerance;
-  summary.rounds = result.rounds;
-  summary.clean_seconds = seconds.count();
+  summary.AddCleaning(NamesOf<ChangeKind>(cleaning::kChangeKinds), *tolerance, result.rounds,
+                      seconds.count());
   for (const Change& change : result.changes) {
-    ++summary.changes[static_cast<std::size_t>(change.kind)];
-    summary.largest_step = std::max(summary.largest_step, DistanceOf(change));
+    summary.AddChange(static_cast<std::size_t>(change.kind), DistanceOf(change));
   }
   return absl::OkStatus();
 }
@@ -271,7 +180,7 @@ int Run(const ImportCommand& command) {
   }
   const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
   if (!kind.ok()) return ReportError(kind.status());
-  Summary summary;
+  ImportSummary summary;
   CleanResult result;
   if (command.clean) {
     bar.Show(0, 0, "cleaning");
@@ -281,12 +190,7 @@ int Run(const ImportCommand& command) {
   } else {
     result.features = input->features;
   }
-  const std::array<const std::vector<Feature>*, 2> sides = {&input->features, &result.features};
-  for (std::size_t i = 0; i < 2; ++i) {
-    summary.points[i] = CountOf(*sides[i], FeatureKind::kPoint);
-    summary.segments[i] = CountOf(*sides[i], FeatureKind::kSegment);
-    summary.polygons[i] = CountOf(*sides[i], FeatureKind::kPolygon);
-  }
+  summary.AddCounts(input->features, result.features);
   if (*kind == OutputKind::kPoly) {
     if (auto status = CheckForPoly(command.output, result.features); !status.ok()) {
       return ReportError(status);
@@ -310,10 +214,15 @@ int Run(const ImportCommand& command) {
   if (!written.ok()) return ReportError(written);
   std::string report;
   if (command.json) {
-    for (const Change& change : result.changes) report += ToJson(change);
+    for (const Change& change : result.changes) {
+      report += ChangeLine(cleaning::NameOf(change.kind), change.ids, change.from, change.to);
+    }
     report += ToJson(input->polygon_names, result.features);
+    report += summary.ToJson().ToLine();
+  } else {
+    report = summary.ToText();
   }
-  return PrintOut(report + ToText(summary, command.json)) ? kExitDone : kExitFailed;
+  return PrintOut(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -334,8 +243,7 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                 "Polygons of a map become polygon features, not segments");
   sub->add_option("--tolerance", command->tolerance,
                   "Points nearer to each other than this are merged (default: 4 times, in 3D 8 "
-                  "times, what a "
-                  "mesh refuses as too close)")
+                  "times, what a mesh refuses as too close)")
       ->type_name("T");
   AddBoxFlag(*sub, command->box);
   sub->add_flag("--json", command->json,

@@ -301,8 +301,13 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   if (flags.refine || io::IsElementFile(path)) return FromElements(path, flags);
   using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&, io::FaceRules);
   const std::map<std::string, Read> in_space = {
-      {".poly", io::ReadSpacePolyFile}, {".smesh", io::ReadSmeshFile}, {".off", io::ReadOffFile},
-      {".stl", io::ReadStlFile},        {".obj", io::ReadObjFile},     {".ply", io::ReadPlyFile}};
+      {".node", [](const std::string& file, io::FaceRules) { return io::ReadSpaceNodeFile(file); }},
+      {".poly", io::ReadSpacePolyFile},
+      {".smesh", io::ReadSmeshFile},
+      {".off", io::ReadOffFile},
+      {".stl", io::ReadStlFile},
+      {".obj", io::ReadObjFile},
+      {".ply", io::ReadPlyFile}};
   if (extension == ".node" || extension == ".poly") {
     absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
@@ -313,10 +318,8 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     // The 2D readers report 3D files so.
     if (!absl::IsUnimplemented(planar.status())) return planar.status();
   }
-  const auto read = in_space.find(extension);
-  if (read != in_space.end() || extension == ".node") {
-    absl::StatusOr<io::FileFeatures> file =
-        extension == ".node" ? io::ReadSpaceNodeFile(path) : read->second(path, flags.faces);
+  if (const auto read = in_space.find(extension); read != in_space.end()) {
+    absl::StatusOr<io::FileFeatures> file = read->second(path, flags.faces);
     if (!file.ok()) return file.status();
     return FromSpace(*std::move(file), path, flags);
   }

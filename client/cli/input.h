@@ -53,11 +53,9 @@ struct InputFlags {
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl, .obj and
-// .ply;
-// .msh, .mesh and .vtu (lines, triangles and borders of a mesh; core/io/elements);
-// .geojson, .topojson, .json (either of both). Any extension that is not a known kind of geometry
-// is an edit script; its last revision counts. `options` has the dimension. Errors as `file:line:
-// ...`.
+// .ply; .msh, .mesh and .vtu (lines, triangles and borders of a mesh; core/io/elements); .geojson,
+// .topojson, .json (either of both). Any extension that is not a known kind of geometry is an edit
+// script; its last revision counts. `options` has the dimension. Errors as `file:line: ...`.
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
     ".stl, .obj or .ply; of 2D and 3D meshes .msh, .mesh or .vtu";
