@@ -69,11 +69,11 @@ def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float
 def dynmesh_of_file(program: pathlib.Path, path: pathlib.Path, flags: list[str],
                     limit: float) -> Optional[Run]:
     """All vertices count."""
-    timed = timed([str(program), "mesh", str(path), *flags, "--json"], limit)
-    if timed is None:
+    measured = timed([str(program), "mesh", str(path), *flags, "--json"], limit)
+    if measured is None:
         return None
-    figures = json.loads(timed[2])
-    return Run(figures["build_seconds"], figures["vertices"], figures["simplices"], timed[1])
+    figures = json.loads(measured[2])
+    return Run(figures["build_seconds"], figures["vertices"], figures["simplices"], measured[1])
 
 
 def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
@@ -89,16 +89,16 @@ def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
 
 def tetgen_of_file(path: pathlib.Path, flags: str, limit: float) -> Optional[Run]:
     """Without files of the result; its own count of seconds. All vertices count."""
-    timed = timed(["tetgen", f"{flags}NEF", str(path)], limit)
-    if timed is None:
+    measured = timed(["tetgen", f"{flags}NEF", str(path)], limit)
+    if measured is None:
         return None
 
     def number(pattern: str) -> float:
-        return float(re.findall(pattern, timed[2])[-1])
+        return float(re.findall(pattern, measured[2])[-1])
 
     return Run(number(r"Total running seconds:\s*([\d.e+-]+)"),
                int(number(r"Mesh points:\s*(\d+)")),
-               int(number(r"Mesh tetrahedra:\s*(\d+)")), timed[1])
+               int(number(r"Mesh tetrahedra:\s*(\d+)")), measured[1])
 
 
 def has_tetgen() -> bool:
