@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <vector>
 
 #include "absl/container/flat_hash_set.h"
 #include "core/dynamic_mesh/vertex_names.h"
@@ -29,18 +28,24 @@ class LeafIds {
   }
   VertexId IdOf(const quadtree::Cell<D>& leaf) const { return IdAt(grid_.CentreOf(leaf)); }
 
-  // Adds all leaves, and their rows to `vertices`, which is empty.
-  void AddAll(const std::vector<quadtree::Cell<D>>& leaves, VertexColumns& vertices) {
-    ids_.reserve(ids_.size() + leaves.size());
-    vertices.ids.reserve(leaves.size());
-    vertices.coordinates.reserve(leaves.size() * D);
-    vertices.containing_dimensions.reserve(leaves.size());
-    vertices.owners.reserve(leaves.size());
-    for (const quadtree::Cell<D>& leaf : leaves) {
+  // Adds leaves, and their rows to `vertices`, which is empty. for_each(f) calls f(leaf) for each
+  // of `count`.
+  template <class ForEach>
+  void AddAll(std::size_t count, ForEach for_each, VertexColumns& vertices) {
+    ids_.reserve(ids_.size() + count);
+    vertices.ids.reserve(count);
+    vertices.coordinates.reserve(count * D);
+    vertices.containing_dimensions.assign(count, D);
+    vertices.owners.assign(count, kNoFeature);
+    for_each([&](const quadtree::Cell<D>& leaf) {
       const auto centre = grid_.CentreOf(leaf);
-      const VertexId id = IdAt(centre);
-      Add(centre, id);
-      Append(vertices, centre, id);
+      AppendPosition(vertices, centre, IdAt(centre));
+      hash_ += HashAt(centre);
+    });
+    constexpr std::size_t kAhead = 16;  // far enough for a line of memory to arrive
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i + kAhead < count) ids_.prefetch(vertices.ids[i + kAhead]);
+      Enter(vertices.ids[i]);
     }
   }
   // Returns the id of the leaf.
@@ -71,13 +76,16 @@ class LeafIds {
   std::size_t bytes() const { return ids_.capacity() * (sizeof(VertexId) + 1); }
 
  private:
-  void Add(const geometry::Point<D>& centre, VertexId id) {
+  void Enter(VertexId id) {
     if (!ids_.insert(id).second) ++others_[id];
-    hash_ += HashAt(centre);
+  }
+  static void AppendPosition(VertexColumns& vertices, const geometry::Point<D>& centre,
+                             VertexId id) {
+    vertices.ids.push_back(id);
+    for (const double c : centre.c) vertices.coordinates.push_back(c);
   }
   static void Append(VertexColumns& vertices, const geometry::Point<D>& centre, VertexId id) {
-    vertices.ids.push_back(id);
-    vertices.coordinates.insert(vertices.coordinates.end(), centre.c.begin(), centre.c.end());
+    AppendPosition(vertices, centre, id);
     vertices.containing_dimensions.push_back(D);
     vertices.owners.push_back(kNoFeature);
   }

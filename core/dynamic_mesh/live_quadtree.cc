@@ -39,7 +39,8 @@ LiveQuadtree<D>::LiveQuadtree(const MeshOptions& options, VertexHash id_of)
       leaves_(grid_, id_of) {
   state_->tree.Propagate();
   VertexColumns root;
-  leaves_.AddAll({quadtree::Cell<D>()}, root);
+  leaves_.AddAll(
+      1, [](auto add) { add(quadtree::Cell<D>()); }, root);
 }
 
 // Polls before each operation. A batch has more leaves than it may have in the end if it has more
@@ -77,7 +78,8 @@ MeshDiff LiveQuadtree<D>::TakeChanges() {
   for (const quadtree::Cell<D>& leaf : changes.removed) {
     diff.removed_vertices.push_back(leaves_.Remove(leaf));
   }
-  leaves_.AddAll(changes.added, diff.added_vertices);
+  const auto for_each = [&](auto add) { std::ranges::for_each(changes.added, add); };
+  leaves_.AddAll(changes.added.size(), for_each, diff.added_vertices);
   return diff;
 }
 
@@ -146,7 +148,8 @@ template <int D>
 Mesh LiveQuadtree<D>::Snapshot() const {
   Mesh mesh;
   mesh.dimension = D;
-  for (const quadtree::Cell<D>& leaf : state_->tree.Leaves()) leaves_.AppendTo(mesh.vertices, leaf);
+  state_->tree.ForEachLeaf(
+      [&](const quadtree::Cell<D>& leaf) { leaves_.AppendTo(mesh.vertices, leaf); });
   mesh.hash = leaves_.hash();
   mesh.revision = this->revision();
   mesh.labels = this->labels().All();
@@ -250,7 +253,8 @@ absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const Mesh
   LeafIds<D> ids(grid, &VertexIdAt);
   Mesh mesh;
   mesh.dimension = D;
-  ids.AddAll(tree.Leaves(), mesh.vertices);
+  ids.AddAll(
+      tree.leaf_count(), [&](auto add) { tree.ForEachLeaf(add); }, mesh.vertices);
   if (const auto clash = ids.Clash(); clash.has_value()) return IdCollisionError(*clash);
   mesh.hash = ids.hash();
   mesh.revision = features.empty() ? 0 : 1;

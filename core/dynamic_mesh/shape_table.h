@@ -31,6 +31,8 @@ class ShapeTable {
       free_points_.push_back(at->second.index);
       points_.erase(at);
     }
+    points_.reserve(points_.size() + delta.added_points.size());
+    segments_.reserve(segments_.size() + delta.added_segments.size());
     for (const plc::PointFeature<D>& p : delta.added_points) {
       const quadtree::PointIndex index = NewPoint();
       points_[p.id] = {index, tree.Add(Shape::OfPoint(p.p, index))};

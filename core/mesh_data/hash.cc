@@ -68,6 +68,21 @@ MeshHash HashOfIds(const VertexId* ids, RegionId region) {
   return hasher.Get();
 }
 
+// The compiler hashes the common prefix once.
+template <int D>
+MeshHash HashOfPosition(const double* coordinates, int containing_dimension, FeatureId owner) {
+  constexpr WordHasher kBegun = [] {
+    WordHasher hasher(kVertexTag);
+    hasher.Add(static_cast<std::uint64_t>(D));
+    return hasher;
+  }();
+  WordHasher hasher = kBegun;
+  for (int i = 0; i < D; ++i) hasher.Add(Bits(coordinates[i]));
+  hasher.Add(static_cast<std::uint64_t>(containing_dimension));
+  hasher.Add(owner);
+  return hasher.Get();
+}
+
 template <std::size_t kIds>
 MeshHash HashConstraint(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
   std::sort(ids.begin(), ids.end());
@@ -89,13 +104,16 @@ MeshHash HashOfConstraints(const Columns& columns, Steps& steps) {
 }  // namespace
 
 VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt) {
-  std::uint64_t h = Mix(kIdKey ^ salt);
+  constexpr std::uint64_t kUnsalted = Mix(kIdKey);
+  std::uint64_t h = salt == 0 ? kUnsalted : Mix(kIdKey ^ salt);
   for (int i = 0; i < dimension; ++i) h = Mix(h ^ Bits(coordinates[i]));
   return h == 0 ? 1 : h;
 }
 
 MeshHash HashVertex(const double* coordinates, int dimension, int containing_dimension,
                     FeatureId owner) {
+  if (dimension == 2) return HashOfPosition<2>(coordinates, containing_dimension, owner);
+  if (dimension == 3) return HashOfPosition<3>(coordinates, containing_dimension, owner);
   WordHasher hasher(kVertexTag);
   hasher.Add(static_cast<std::uint64_t>(dimension));
   for (int i = 0; i < dimension; ++i) hasher.Add(Bits(coordinates[i]));

@@ -36,7 +36,9 @@ void BuildQt<D, E>::Remove(ShapeIndex shape) {
   gone_.push_back(shape);
 }
 
-// All changes have been made, so the filter asks what the operations would find.
+// All changes have been made, so the filter asks what the operations would find. It need not ask
+// at most cells near a feature: one that comes makes no cell less crowded, one that goes none more
+// crowded, and a cell that stays crowded has other children only if the feature meets it.
 template <int D, template <class> class E>
 void BuildQt<D, E>::NotifyOfInput() {
   if constexpr (kTraced) {
@@ -49,9 +51,22 @@ void BuildQt<D, E>::NotifyOfInput() {
         });
       }
     };
+    const auto stays_crowded = [&](const CellRecord& r) {
+      return r.is_crowded && r.is_open && r.common.are_apart();
+    };
     if (engine_.AnyAfter(beginning)) {
-      for (const ShapeIndex shape : gone_) features_.ForEachNear(shape, notify);
-      for (const ShapeIndex shape : come_) features_.ForEachNear(shape, notify);
+      for (const ShapeIndex shape : gone_) {
+        features_.ForEachNear(shape, [&](CellIndex i, auto may_meet) {
+          const CellRecord& r = cells_[i];
+          if (r.is_crowded && (!stays_crowded(r) || may_meet())) notify(i);
+        });
+      }
+      for (const ShapeIndex shape : come_) {
+        features_.ForEachNear(shape, [&](CellIndex i, auto may_meet) {
+          const CellRecord& r = cells_[i];
+          if (!(r.is_crowded && r.is_open) || may_meet()) notify(i);
+        });
+      }
     }
   }
   free_shapes_.insert(free_shapes_.end(), gone_.begin(), gone_.end());
@@ -61,7 +76,7 @@ void BuildQt<D, E>::NotifyOfInput() {
 
 // What Crowd records. A crowded cell that is not open yet has other children than any record.
 template <int D, template <class> class E>
-std::uint32_t BuildQt<D, E>::ChildrenOf(CellIndex i) const {
+std::uint32_t BuildQt<D, E>::ChildrenOf(CellIndex i) {
   if (!features_.IsCrowded(i)) return 0;
   return cells_[i].is_open ? features_.ChildrenMet(i) : ~std::uint32_t{0};
 }
@@ -80,7 +95,7 @@ void BuildQt<D, E>::Crowd(Context& context) {
     if ((children >> which & 1) == 0) continue;
     context.Request(kCrowd, cells_.ChildOf(i, which), CrowdEpoch(level + 1));
   }
-  context.Request(kGrade, i, GradeEpoch(level));
+  RequestGrade(context, i, GradeEpoch(level));
 }
 
 // The cells of twice its side that touch it: its parent, and those beside the parent on its sides.
@@ -91,15 +106,19 @@ void BuildQt<D, E>::Grade(Context& context) {
   if (i == kRoot) return;
   const CellIndex parent = cells_.ParentOf(i);
   const sac::Epoch epoch = GradeEpoch(cells_.LevelOf(parent));
-  const int corner = CellTree<D>::WhichOf(i);
-  for (int sides = 0; sides < Key::kChildren; ++sides) {
-    typename CellTree<D>::Offset offset;
-    for (int k = 0; k < D; ++k) {
-      offset[k] = (sides >> k & 1) == 0 ? 0 : (corner >> k & 1) == 0 ? -1 : 1;
-    }
+  const auto which = static_cast<std::size_t>(CellTree<D>::WhichOf(i));
+  for (const std::size_t offset : Offsets<D>::kTouching[which]) {
     const CellIndex coarser = cells_.MakeBeside(parent, offset);
-    if (coarser != kNone) context.Request(kGrade, coarser, epoch);
+    if (coarser != kNone) RequestGrade(context, coarser, epoch);
   }
+}
+
+template <int D, template <class> class E>
+void BuildQt<D, E>::RequestGrade(Context& context, CellIndex i, sac::Epoch epoch) {
+  // Without a trace requests are not counted: one is enough.
+  if (!kTraced && cells_[i].is_graded) return;
+  cells_[i].is_graded = true;
+  context.Request(kGrade, i, epoch);
 }
 
 template <int D, template <class> class E>
@@ -156,13 +175,7 @@ template <int D, template <class> class E>
 std::vector<Cell<D>> BuildQt<D, E>::Leaves() const {
   std::vector<Key> leaves;
   leaves.reserve(leaf_count());
-  const auto visit = [&](auto& self, CellIndex i, const Key& cell) -> void {
-    if (!cells_[i].is_split) return leaves.push_back(cell);
-    for (int which = 0; which < Key::kChildren; ++which) {
-      self(self, cells_.ChildOf(i, which), cell.Child(which));
-    }
-  };
-  visit(visit, kRoot, Key());
+  ForEachLeaf([&](const Key& leaf) { leaves.push_back(leaf); });
   return leaves;
 }
 

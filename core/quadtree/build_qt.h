@@ -95,7 +95,12 @@ class BuildQt {
   const Grid<D>& grid() const { return grid_; }
   // The leaf that x is in, on borders the upper one. O(depth).
   Key LeafAt(const geometry::Point<D>& x) const;
-  // In the order of a walk, lower children first. O(leaves).
+  // Calls f(leaf) for each, in the order of a walk, lower children first. O(leaves).
+  template <class F>
+  void ForEachLeaf(F f) const {
+    ForEachLeafIn(kRoot, Key(), f);
+  }
+  // In the same order.
   std::vector<Key> Leaves() const;
   std::size_t leaf_count() const { return 1 + split_count_ * (Key::kChildren - 1); }
   // Since the last call, or the construction. O(change).
@@ -114,7 +119,7 @@ class BuildQt {
   // In the order of a curve, not at random: a run from scratch takes two thirds of the time, as
   // neighbours come one after the other. Where cells cluster, an epoch becomes a search tree
   // (epoch_order.h).
-  std::uint64_t Priority(sac::Kind, sac::Item item) const { return cells_.CellOf(item).Morton(); }
+  std::uint64_t Priority(sac::Kind, sac::Item item) const { return cells_.MortonOf(item); }
   bool Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
     return kind_a != kind_b ? kind_a < kind_b : cells_.CellOf(a) < cells_.CellOf(b);
   }
@@ -136,10 +141,18 @@ class BuildQt {
   }
   void Crowd(Context& context);
   void Grade(Context& context);
+  void RequestGrade(Context& context, CellIndex i, sac::Epoch epoch);
   void NotifyOfInput();
   void Collect();
   void SetSplit(CellIndex i, bool is_split);
-  std::uint32_t ChildrenOf(CellIndex i) const;
+  template <class F>
+  void ForEachLeafIn(CellIndex i, const Key& cell, F& f) const {
+    if (!cells_[i].is_split) return f(cell);
+    for (int which = 0; which < Key::kChildren; ++which) {
+      ForEachLeafIn(cells_.ChildOf(i, which), cell.Child(which), f);
+    }
+  }
+  std::uint32_t ChildrenOf(CellIndex i);
 
   const Grid<D> grid_;
   CellTree<D> cells_;

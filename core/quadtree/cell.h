@@ -48,12 +48,16 @@ struct Cell {
   }
   // The first 64 / D bits along each axis, interleaved: its place on a Z-order curve.
   std::uint64_t Morton() const {
-    constexpr int kBits = 64 / D;
     std::uint64_t code = 0;
     for (int k = 0; k < D; ++k) {
       code |= Spread(level <= kBits ? at[k] << (kBits - level) : at[k] >> (level - kBits)) << k;
     }
     return code;
+  }
+  // Child(which).Morton(), of a cell with this Morton() and level.
+  static std::uint64_t MortonOfChild(std::uint64_t morton, int level, int which) {
+    if (level >= kBits) return morton;
+    return morton | static_cast<std::uint64_t>(which) << (D * (kBits - 1 - level));
   }
   std::uint64_t Hash() const {
     std::uint64_t h = Mix(static_cast<std::uint64_t>(level));
@@ -62,6 +66,8 @@ struct Cell {
   }
 
  private:
+  static constexpr int kBits = 64 / D;
+
   // Moves bit i of the lower 64 / D bits to bit D i: halves the groups of bits, again and again.
   static constexpr std::uint64_t Spread(std::uint64_t x) {
     for (int group = static_cast<int>(std::bit_ceil(64u / D)) / 2; group >= 1; group /= 2) {
@@ -101,6 +107,44 @@ struct Box {
   }
 };
 
+// A cell's borders, and those between its children.
+template <int D>
+struct Halves {
+  geometry::Point<D> lo{}, middle{}, hi{};
+
+  Box<D> Child(int which) const {
+    Box<D> child;
+    for (int k = 0; k < D; ++k) {
+      const bool is_upper = (which >> k & 1) != 0;
+      child.lo[k] = is_upper ? middle[k] : lo[k];
+      child.hi[k] = is_upper ? hi[k] : middle[k];
+    }
+    return child;
+  }
+  // Bit i: a box that meets the cell, from `from` to `to` along each axis, meets child i.
+  std::uint32_t ChildrenMet(const geometry::Point<D>& from, const geometry::Point<D>& to) const {
+    std::uint32_t met = kAll;
+    for (int k = 0; k < D; ++k) {
+      const auto axis = static_cast<std::size_t>(k);
+      met &= (from[k] <= middle[k] ? kAll & ~kUpper[axis] : 0) |
+             (to[k] >= middle[k] ? kUpper[axis] : 0);
+    }
+    return met;
+  }
+
+ private:
+  static constexpr std::uint32_t kAll = (std::uint32_t{1} << Cell<D>::kChildren) - 1;
+  // [k]: the children in the upper half along axis k.
+  static constexpr std::array<std::uint32_t, D> kUpper = [] {
+    std::array<std::uint32_t, D> upper = {};
+    for (int i = 0; i < D << D; ++i) {
+      const int k = i % D, which = i / D;
+      if ((which >> k & 1) != 0) upper[static_cast<std::size_t>(k)] |= std::uint32_t{1} << which;
+    }
+    return upper;
+  }();
+};
+
 // Where the root lies.
 template <int D>
 class Grid {
@@ -129,17 +173,21 @@ class Grid {
     const double side = Side(cell.level);
     Box<D> box;
     for (int k = 0; k < D; ++k) {
-      box.lo[k] = lo_[k] + static_cast<double>(cell.at[k]) * side;
-      box.hi[k] = lo_[k] + static_cast<double>(cell.at[k] + 1) * side;
+      box.lo[k] = lo_[k] + ToDouble(cell.at[k]) * side;
+      box.hi[k] = lo_[k] + ToDouble(cell.at[k] + 1) * side;
     }
     return box;
+  }
+  Halves<D> HalvesOf(const Cell<D>& cell) const {
+    const Box<D> box = BoxOf(cell);
+    return {box.lo, CentreOf(cell), box.hi};
   }
   // Exact: of a cell of most_level(), too.
   geometry::Point<D> CentreOf(const Cell<D>& cell) const {
     const double half = Side(cell.level + 1);
     geometry::Point<D> centre;
     for (int k = 0; k < D; ++k) {
-      centre[k] = lo_[k] + static_cast<double>(2 * cell.at[k] + 1) * half;
+      centre[k] = lo_[k] + ToDouble(2 * cell.at[k] + 1) * half;
     }
     return centre;
   }
@@ -155,13 +203,18 @@ class Grid {
     const double half = Side(cell.level + 1);
     int which = 0;
     for (int k = 0; k < D; ++k) {
-      const double middle = lo_[k] + static_cast<double>(2 * cell.at[k] + 1) * half;
+      const double middle = lo_[k] + ToDouble(2 * cell.at[k] + 1) * half;
       which |= (p[k] < middle ? 0 : 1) << k;
     }
     return which;
   }
 
  private:
+  // Of at most kMostLevel + 2 bits. Processors convert signed words in one step, others in several.
+  static double ToDouble(std::uint64_t at) {
+    return static_cast<double>(static_cast<std::int64_t>(at));
+  }
+
   geometry::Point<D> lo_{};
   std::array<double, kMostLevel + 3> sides_{};  // by level; beyond the greatest, for halves
   int most_level_ = 0;

@@ -26,6 +26,7 @@ struct PackedPoints {
 
   bool has_features() const { return a != kNone || b != kNone; }
   bool is_lone() const { return b == kLone; }
+  bool are_apart() const { return b == kApart; }
   friend bool operator==(const PackedPoints&, const PackedPoints&) = default;
 };
 
@@ -56,14 +57,6 @@ class CommonPoints {
       Intersect(Points(shapes), other.Kept());
     }
   }
-  // Would they be apart with those of `other`?
-  template <class Shapes>
-  bool AreApartFrom(const CommonPoints& other, const Shapes& shapes) const {
-    CommonPoints both = *this;
-    both.Add(other, shapes);
-    return both.are_apart();
-  }
-
   friend bool operator==(const CommonPoints&, const CommonPoints&) = default;
 
   // kMany, with `a` to be filled in, if there are more than two points. O(1).

@@ -7,6 +7,9 @@
 #define DYNMESH_CORE_QUADTREE_FEATURE_TREE_H_
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -16,6 +19,7 @@
 #include "core/quadtree/cell_tree.h"
 #include "core/quadtree/common_points.h"
 #include "core/quadtree/list_pool.h"
+#include "core/quadtree/offsets.h"
 #include "core/quadtree/shape.h"
 
 namespace dynmesh::quadtree {
@@ -37,17 +41,16 @@ class FeatureTree {
   // Is the cell crowded? It is met by a feature, and with those that meet some cell of its block
   // (the cells of its size that touch it) these features have no point in common.
   // If a cell is crowded, its parent is (Lemma 4.1.1). O(3^D). REQUIRES: its parent is open.
-  bool IsCrowded(CellIndex i) const {
-    const PackedPoints& packed = cells_[i].common;
-    if (!packed.has_features() || cells_.LevelOf(i) >= grid_.most_level()) return false;
-    if (packed.b == PackedPoints::kApart) return true;
-    const CommonPoints own = CommonOf(i);
-    typename CellTree<D>::Offset offset;
-    offset.fill(-1);
-    // Counts from (-1, ..., -1) to (1, ..., 1).
-    for (int k = 0; k < D;) {
-      if (IsApartFrom(own, i, offset)) return true;
-      for (k = 0; k < D && ++offset[k] > 1; ++k) offset[k] = -1;
+  bool IsCrowded(CellIndex i) {
+    const PackedPoints& own = cells_[i].common;
+    if (!own.has_features() || cells_.LevelOf(i) >= grid_.most_level()) return false;
+    if (own.are_apart()) return true;
+    if (i == kRoot) return false;
+    const auto& around_parent = cells_.BlockAround(cells_.ParentOf(i));
+    for (std::size_t offset = 0; offset < around_parent.size(); ++offset) {
+      const auto beside = cells_.BesideChild(around_parent, CellTree<D>::WhichOf(i), offset);
+      if (beside.cell == kNone || beside.cell == i) continue;
+      if (AreApart(i, beside, offset)) return true;
     }
     return false;
   }
@@ -55,9 +58,37 @@ class FeatureTree {
   // Gives a leaf's list to its children.
   void Open(CellIndex i) {
     cells_.MakeChildren(i);
-    const std::vector<ShapeIndex> features = TakeFeatures(i);
+    const PackedPoints common = cells_[i].common;
+    const ListPool::List list = lists_.Take(&cells_[i].list);
+    const std::span<const ShapeIndex> features =
+        common.is_lone() ? std::span(&common.a, 1) : std::span(list);
     cells_[i].is_open = true;
-    for (const ShapeIndex shape : features) AddInChildren(i, shape);
+    // First how many features meet each child: then no list grows.
+    const Halves<D> halves = grid_.HalvesOf(cells_.CellOf(i));
+    std::array<std::uint32_t, Cell<D>::kChildren> counts = {};
+    met_.clear();
+    for (const ShapeIndex shape : features) {
+      met_.push_back(shapes_[shape].ChildrenMet(halves));
+      ForEachBit(met_.back(), [&](int which) {
+        ++counts[static_cast<std::size_t>(which)];
+        AddToCommon(cells_.ChildOf(i, which), shape);
+      });
+    }
+    std::array<ListPool::List, Cell<D>::kChildren> of_children;
+    for (std::size_t which = 0; which < counts.size(); ++which) {
+      if (counts[which] > 1) of_children[which].reserve(counts[which]);
+    }
+    for (std::size_t k = 0; k < features.size(); ++k) {
+      ForEachBit(met_[k], [&](int which) {
+        const auto child = static_cast<std::size_t>(which);
+        if (counts[child] > 1) of_children[child].push_back(features[k]);
+      });
+    }
+    for (std::size_t which = 0; which < counts.size(); ++which) {
+      if (counts[which] < 2) continue;
+      cells_[cells_.ChildOf(i, static_cast<int>(which))].list =
+          lists_.Add(std::move(of_children[which]));
+    }
   }
   // Takes the lists of its children.
   void Close(CellIndex i) {
@@ -95,11 +126,12 @@ class FeatureTree {
     return met;
   }
 
-  // Calls f(i) for the cells i that a feature meets, with an open parent, whose block this feature
-  // meets.
+  // Calls f(i, may_meet) for the cells i that a feature meets, with an open parent, whose block
+  // this feature meets, and maybe for some with a block that it passes by. may_meet(): MayMeet of
+  // cell i.
   template <class F>
   void ForEachNear(ShapeIndex shape, F f) const {
-    ForEachNearIn(kRoot, Cell<D>(), shape, f);
+    ForEachNearIn(kRoot, Cell<D>(), shapes_[shape], f);
   }
 
   std::size_t bytes() const { return lists_.bytes() + many_.bytes(); }
@@ -107,6 +139,10 @@ class FeatureTree {
  private:
   using Key = Cell<D>;
 
+  template <class F>
+  static void ForEachBit(std::uint32_t bits, F f) {
+    for (; bits != 0; bits &= bits - 1) f(std::countr_zero(bits));
+  }
   bool Meets(ShapeIndex shape, const Key& cell) const {
     return shapes_[shape].Meets(grid_.BoxOf(cell));
   }
@@ -140,16 +176,23 @@ class FeatureTree {
     return taken;
   }
 
-  void AddIn(CellIndex i, ShapeIndex shape) {
-    const PackedPoints before = cells_[i].common;
-    if (!before.has_features()) {
-      cells_[i].common = {shape, PackedPoints::kLone};
-    } else if (before.b != PackedPoints::kApart) {
+  void AddToCommon(CellIndex i, ShapeIndex shape) {
+    PackedPoints& packed = cells_[i].common;
+    if (!packed.has_features()) {
+      packed = {shape, PackedPoints::kLone};
+    } else if (!packed.are_apart()) {
       CommonPoints common = CommonOf(i);
       common.Add(shape, shapes_);
       SetCommon(i, common);
     }
-    if (cells_[i].is_open) return AddInChildren(i, shape);
+  }
+  void AddIn(CellIndex i, ShapeIndex shape) {
+    const PackedPoints before = cells_[i].common;
+    AddToCommon(i, shape);
+    if (cells_[i].is_open) {
+      const std::uint32_t met = shapes_[shape].ChildrenMet(grid_.HalvesOf(cells_.CellOf(i)));
+      return ForEachBit(met, [&](int which) { AddIn(cells_.ChildOf(i, which), shape); });
+    }
     std::uint32_t& list = cells_[i].list;
     if (list != kNone) {
       lists_[list].push_back(shape);
@@ -157,21 +200,14 @@ class FeatureTree {
       list = lists_.Add({before.a, shape});
     }
   }
-  void AddInChildren(CellIndex i, ShapeIndex shape) {
-    const Key cell = cells_.CellOf(i);
-    for (int which = 0; which < Key::kChildren; ++which) {
-      if (Meets(shape, cell.Child(which))) AddIn(cells_.ChildOf(i, which), shape);
-    }
-  }
 
   void RemoveIn(CellIndex i, ShapeIndex shape) {
     CommonPoints common;
     if (cells_[i].is_open) {
-      const Key cell = cells_.CellOf(i);
-      for (int which = 0; which < Key::kChildren; ++which) {
-        const CellIndex child = cells_.ChildOf(i, which);
-        if (Meets(shape, cell.Child(which))) RemoveIn(child, shape);
-        if (!common.are_apart()) common.Add(CommonOf(child), shapes_);
+      const std::uint32_t met = shapes_[shape].ChildrenMet(grid_.HalvesOf(cells_.CellOf(i)));
+      ForEachBit(met, [&](int which) { RemoveIn(cells_.ChildOf(i, which), shape); });
+      for (int which = 0; which < Key::kChildren && !common.are_apart(); ++which) {
+        common.Add(CommonOf(cells_.ChildOf(i, which)), shapes_);
       }
       if (!common.has_features()) emptied_.push_back(i);
     } else if (cells_[i].list != kNone) {
@@ -189,30 +225,41 @@ class FeatureTree {
     SetCommon(i, common);
   }
 
-  // Do the features of `own` have nothing in common with those of the cell beside i?
-  bool IsApartFrom(const CommonPoints& own, CellIndex i,
-                   const typename CellTree<D>::Offset& offset) const {
-    bool is_exact;
-    CellIndex j = cells_.Beside(i, offset, &is_exact);
-    if (j == kNone || j == i) return false;
-    for (; j != kRoot && !cells_[cells_.ParentOf(j)].is_open; is_exact = false) {
+  // What CommonPoints keeps, or the points of a lone feature. REQUIRES: there are features.
+  std::span<const PointIndex> PointsOf(const PackedPoints& packed) const {
+    if (packed.is_lone()) return shapes_[packed.a].points();
+    if (packed.are_apart()) return {};
+    if (packed.b == PackedPoints::kMany) return many_[packed.a];
+    return {&packed.a, packed.b == kNone ? 1u : 2u};
+  }
+  // Do the features of cell i have nothing in common with those of the cell beside it?
+  bool AreApart(CellIndex i, typename CellTree<D>::Found beside, std::size_t offset) const {
+    CellIndex j = beside.cell;
+    for (; j != kRoot && !cells_[cells_.ParentOf(j)].is_open; beside.is_exact = false) {
       j = cells_.ParentOf(j);
     }
     const PackedPoints& packed = cells_[j].common;
     if (!packed.has_features()) return false;
-    if (is_exact) {
-      if (packed.b == PackedPoints::kApart) return true;
-      return own.AreApartFrom(CommonOf(j), shapes_);
-    }
+    if (beside.is_exact) return AreDisjoint(PointsOf(cells_[i].common), PointsOf(packed));
     const Key around = cells_.CellOf(j);
     Key cell = cells_.CellOf(i);
-    for (int k = 0; k < D; ++k) cell.at[k] += static_cast<std::uint64_t>(offset[k]);
-    CommonPoints both = own;
+    for (int k = 0; k < D; ++k) {
+      cell.at[k] += static_cast<std::uint64_t>(Offsets<D>::Along(offset, k));
+    }
+    CommonPoints both = CommonOf(i);
     for (const ShapeIndex shape : FeaturesOf(j)) {
       if (MeetsDownTo(shape, around, cell)) both.Add(shape, shapes_);
       if (both.are_apart()) return true;
     }
     return false;
+  }
+  // Both are sorted.
+  static bool AreDisjoint(std::span<const PointIndex> a, std::span<const PointIndex> b) {
+    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+      if (a[i] == b[j]) return false;
+      ++(a[i] < b[j] ? i : j);
+    }
+    return true;
   }
   // As if all cells from `around` down to `cell` were open.
   bool MeetsDownTo(ShapeIndex shape, const Key& around, Key cell) const {
@@ -223,9 +270,9 @@ class FeatureTree {
   }
 
   template <class F>
-  void ForEachNearIn(CellIndex i, const Key& cell, ShapeIndex shape, F& f) const {
-    if (i != kRoot && !shapes_[shape].Meets(grid_.BlockOf(cell))) return;
-    f(i);
+  void ForEachNearIn(CellIndex i, const Key& cell, const Shape<D>& shape, F& f) const {
+    if (i != kRoot && !shape.MayMeet(grid_.BlockOf(cell))) return;
+    f(i, [&] { return shape.MayMeet(grid_.BoxOf(cell)); });
     if (!cells_[i].is_open) return;
     for (int which = 0; which < Key::kChildren; ++which) {
       const CellIndex child = cells_.ChildOf(i, which);
@@ -240,6 +287,7 @@ class FeatureTree {
   ListPool lists_;  // of leaves with two features or more
   ListPool many_;   // points in common, where there are more than two
   std::vector<CellIndex> emptied_;
+  std::vector<std::uint32_t> met_;  // Open's memory
 };
 
 }  // namespace dynmesh::quadtree

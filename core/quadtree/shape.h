@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -81,10 +82,51 @@ class Shape {
     if constexpr (D <= 3) return MeetsSegment(p_, q_, box);
     return false;  // there are only points
   }
+  // Bit i: Meets(child i). REQUIRES: it meets the cell.
+  std::uint32_t ChildrenMet(const Halves<D>& cell) const {
+    if constexpr (D == 3) {
+      if (facet_ != nullptr) return ThoseMet((1u << Cell<D>::kChildren) - 1, cell);
+    }
+    if (ends_[0] == ends_[1]) return cell.ChildrenMet(p_, p_);
+    const Box<D> around = Around();
+    const std::uint32_t candidates = cell.ChildrenMet(around.lo, around.hi);
+    // It meets one of them, as it meets the cell.
+    return std::has_single_bit(candidates) ? candidates : ThoseMet(candidates, cell);
+  }
+  // True if it meets the box. May be true of a short segment that passes by: this is faster.
+  bool MayMeet(const Box<D>& box) const {
+    if constexpr (D == 3) {
+      if (facet_ != nullptr) return facet_->Meets(box);
+    }
+    const Box<D> around = Around();
+    if (!around.Meets(box)) return false;
+    for (int k = 0; k < D; ++k) {
+      if (around.hi[k] - around.lo[k] > box.hi[k] - box.lo[k]) return Meets(box);
+    }
+    return true;
+  }
 
  private:
   Shape(const Point& p, const Point& q, PointIndex p_index, PointIndex q_index)
       : p_(p), q_(q), ends_{std::min(p_index, q_index), std::max(p_index, q_index)} {}
+
+  std::uint32_t ThoseMet(std::uint32_t candidates, const Halves<D>& cell) const {
+    std::uint32_t met = 0;
+    for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
+      const int which = std::countr_zero(left);
+      if (Meets(cell.Child(which))) met |= 1u << which;
+    }
+    return met;
+  }
+  // REQUIRES: no facet.
+  Box<D> Around() const {
+    Box<D> around;
+    for (int k = 0; k < D; ++k) {
+      around.lo[k] = std::min(p_[k], q_[k]);
+      around.hi[k] = std::max(p_[k], q_[k]);
+    }
+    return around;
+  }
 
   struct Nothing {};
   Point p_, q_;

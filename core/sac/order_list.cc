@@ -25,8 +25,8 @@ Stamp OrderList::NewStamp() {
 
 std::uint32_t OrderList::PositionInGroup(Stamp s) const {
   const Group& g = groups_[group_of_[s]];
-  std::uint32_t i = 0;
-  while (g.items[i] != s) ++i;
+  std::uint32_t i = g.count - 1;  // most insertions are at the end
+  while (g.items[i] != s) --i;
   return i;
 }
 

@@ -33,6 +33,18 @@ TEST(Grid, TheRootIsAroundTheBox) {
   }
 }
 
+TEST(Grid, HalvesOfACellAreItsChildren) {
+  const Grid<3> grid({{-0.3, 7, 0}}, {{0.4, 7.5, 0.1}});
+  Cell<3> cell;
+  for (; cell.level < grid.most_level(); cell = cell.Child(5 & cell.level)) {
+    for (int which = 0; which < Cell<3>::kChildren; ++which) {
+      const Box<3> expected = grid.BoxOf(cell.Child(which));
+      const Box<3> child = grid.HalvesOf(cell).Child(which);
+      ASSERT_TRUE(child.lo == expected.lo && child.hi == expected.hi) << cell.level;
+    }
+  }
+}
+
 TEST(Grid, CellsHaveExactBorders) {
   const Grid<2> grid({{1e5, -3}}, {{1e5 + 1, -2.5}});
   Cell<2> cell;
@@ -63,6 +75,9 @@ void ExpectMorton() {
     cell.level = static_cast<int>(random() % (kMostLevel + 1));
     for (int k = 0; k < D && cell.level > 0; ++k) cell.at[k] = random() >> (64 - cell.level);
     ASSERT_EQ(cell.Morton(), SlowMorton<D>(cell)) << D << "D, level " << cell.level;
+    const int which = static_cast<int>(random() % Cell<D>::kChildren);
+    ASSERT_EQ(Cell<D>::MortonOfChild(cell.Morton(), cell.level, which), cell.Child(which).Morton())
+        << D << "D, level " << cell.level << ", child " << which;
   }
 }
 TEST(Cell, MortonInterleavesTheLeadingBits) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <random>
 
@@ -61,6 +62,40 @@ void ExpectExactOnIntegers() {
 
 TEST(Shape, SegmentsMeetBoxesExactly) { ExpectExactOnIntegers<2>(); }
 TEST(Shape, SegmentsMeetBoxesExactlyIn3D) { ExpectExactOnIntegers<3>(); }
+
+// Integers again: ends lie on borders, corners and middles of cells.
+template <int D>
+void ExpectChildrenMet() {
+  std::mt19937_64 random(kSeed);
+  std::uniform_int_distribution<int> any(-2, 10);
+  Halves<D> cell;
+  cell.lo.c.fill(0), cell.middle.c.fill(4), cell.hi.c.fill(8);
+  const Box<D> box = {cell.lo, cell.hi};
+  int met_some = 0, passed_by = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    geometry::Point<D> p, q;
+    for (int k = 0; k < D; ++k) p[k] = any(random), q[k] = any(random);
+    const bool is_point = i % 4 == 0 || p == q;
+    const Shape<D> shape = is_point ? Shape<D>::OfPoint(p, 0) : Shape<D>::OfSegment(p, q, 0, 1);
+    if (!shape.Meets(box)) {
+      passed_by += shape.MayMeet(box) ? 1 : 0;
+      continue;
+    }
+    ASSERT_TRUE(shape.MayMeet(box)) << i;
+    std::uint32_t expected = 0;
+    for (int which = 0; which < Cell<D>::kChildren; ++which) {
+      if (shape.Meets(cell.Child(which))) expected |= 1u << which;
+    }
+    ASSERT_EQ(shape.ChildrenMet(cell), expected) << i;
+    met_some += std::has_single_bit(expected) ? 0 : 1;
+  }
+  EXPECT_GT(met_some, 2'000);
+  EXPECT_GT(passed_by, 10);
+  EXPECT_LT(passed_by, 4'000);
+}
+
+TEST(Shape, ChildrenMetAreThoseThatItMeets) { ExpectChildrenMet<2>(); }
+TEST(Shape, ChildrenMetAreThoseThatItMeetsIn3D) { ExpectChildrenMet<3>(); }
 
 // A square with a square hole in a plane askew, against points of it that are in the box.
 TEST(Shape, AFacetMeetsBoxesThatHoldPointsOfIt) {
