@@ -178,6 +178,7 @@ struct Complex {
   bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
   bool HaveOneOrigin(VertexIndex v, VertexIndex u) const;
   bool IsCounterpart(VertexIndex v) const { return elements.origin(v).of != kNil; }
+  bool HasAxis(VertexIndex v) const { return elements.origin(v).axis != kNoAxis; }
   // What v's creator worked on: a vertex, or the subsegment that it split.
   sac::Item ItemOfCreator(VertexIndex v) const;
 };
@@ -324,22 +325,26 @@ bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
 
 template <int D, template <class> class E>
 bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
-  if (!IsCounterpart(v) && !IsCounterpart(u)) return false;
+  if (!IsCounterpart(v) && !IsCounterpart(u) && !(HasAxis(v) && HasAxis(u))) return false;
   // The corners that all counterparts from the origin on have their distance from in common.
   Axis common = kNoAxis;
   bool is_first = true;
-  const auto origin = [&](VertexIndex of) {
-    for (; IsCounterpart(of); of = elements.origin(of).of) {
-      const Axis& axis = elements.origin(of).axis;
-      for (VertexIndex& c : common) {
-        if (!is_first && !std::ranges::count(axis, c)) c = kNil;
-      }
-      if (is_first) common = axis;
-      is_first = false;
+  const auto narrow = [&](const Axis& axis) {
+    for (VertexIndex& c : common) {
+      if (!is_first && !std::ranges::count(axis, c)) c = kNil;
     }
+    if (is_first) common = axis;
+    is_first = false;
+  };
+  const auto origin = [&](VertexIndex of) {
+    for (; IsCounterpart(of); of = elements.origin(of).of) narrow(elements.origin(of).axis);
     return of;
   };
-  if (origin(v) != origin(u)) return false;
+  const VertexIndex of_v = origin(v), of_u = origin(u);
+  if (of_v != of_u) {  // then they must be the same point of one lattice
+    if (!HasAxis(of_v) || elements.origin(of_v) != elements.origin(of_u)) return false;
+    narrow(elements.origin(of_v).axis);
+  }
   const double chord2 = geometry::SquaredDistance(vertex(v).p, vertex(u).p);
   return std::ranges::any_of(common, [&](VertexIndex c) {
     return c != kNil && chord2 < geometry::SquaredDistance(vertex(v).p, vertex(c).p);
@@ -348,7 +353,7 @@ bool Complex<D, E>::HaveOneOrigin(VertexIndex v, VertexIndex u) const {
 
 template <int D, template <class> class E>
 bool Complex<D, E>::IsFlatByCounterparts(const std::array<VertexIndex, 4>& v) const {
-  if (std::ranges::none_of(v, [this](VertexIndex a) { return IsCounterpart(a); })) return false;
+  if (std::ranges::none_of(v, [this](VertexIndex a) { return HasAxis(a); })) return false;
   const auto is_pair = [this](VertexIndex a, VertexIndex b) { return IsSeditious(a, b); };
   return (is_pair(v[0], v[1]) && is_pair(v[2], v[3])) ||
          (is_pair(v[0], v[2]) && is_pair(v[1], v[3])) ||

@@ -64,14 +64,22 @@ inline sac::Epoch CureEpoch(std::uint64_t round) {
 }
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 
+// A point of the lattice about an edge (sharp_facets.h), by the coarsest lattice that contains it.
+struct LatticeIndex {
+  int halvings = 0;           // of the edge's length, until there is one step
+  std::int64_t i = 0, j = 0;  // the steps along its row, and the row
+  friend bool operator==(const LatticeIndex&, const LatticeIndex&) = default;
+};
 // A common edge of two features, by its ends, or a common corner, twice.
 using Axis = std::array<VertexIndex, 2>;
 inline constexpr Axis kNoAxis = {kNil, kNil};
-// Of a counterpart (sharp_facets.h): the vertex that it is one of, and the axis. kNil: the vertex
-// is no counterpart.
+// What put a vertex where it is on a facet (sharp_facets.h). Of a counterpart: the vertex that it
+// is one of, and the axis. Of a point of the lattice about an edge: the edge, and which point. Else
+// there is no axis.
 struct Origin {
   VertexIndex of = kNil;
   Axis axis = kNoAxis;
+  LatticeIndex at = {};
   friend bool operator==(const Origin&, const Origin&) = default;
 };
 

@@ -29,11 +29,17 @@ inline constexpr double kNearFacet = 0.7;
 // Squared. A counterpart may have vertices nearer to it than the one that it is the counterpart of.
 // Its first work comes as if the nearest were at half of that distance: too early does no harm.
 inline constexpr double kNearCounterpart = 0.25;
-// A place on a facet that comes nearer than this to the counterpart of some other vertex gives way
-// to it. Else that counterpart would soon stand next to a vertex at the place, and the vertices
-// that this makes would again have counterparts on other facets: at an edge with many facets
-// without end. In units of the distance from the place to the vertex at work, and, if it is that of
-// a gap, of the gap's radius. 0.1 and 0.2 of a gap make larger meshes.
+// A place on a facet near another facet with a common edge at a small angle moves to the lattice
+// about that edge (sharp_facets.h), which is as wide as the place is far from its neighbours. All
+// facets at the edge have the same lattice. So vertices that come from different facets have the
+// same counterparts, or such that are far apart. Else counterparts would come next to each other,
+// vertices would come between them, these would have counterparts on other facets: without end.
+// Steps of half that width make larger meshes.
+//
+// At a common corner there is no lattice. There a place that comes nearer than this to the
+// counterpart of some other vertex gives way to it. In units of the distance from the place to the
+// vertex at work, and, if it is that of a gap, of the gap's radius. 0.1 and 0.2 of a gap make
+// larger meshes.
 inline constexpr double kGivesWay = 0.3, kGapGivesWay = 0.15;
 
 // A place on a facet; there is none if `facet` is null.
@@ -109,6 +115,12 @@ class FacetWork {
   // Moves the point of a facet to the nearest counterpart there of v or a neighbour, of several the
   // least. False if none is within that distance of it.
   bool GiveWay(const Star<D>& star, double within, Candidate<D>* point) const;
+  // Moves the point of a facet to the lattice about an edge (sharp_facets.h). False if no other
+  // facet has that edge at a small angle and the turned point in the ball, which has no vertex
+  // inside. `free`: the distance from the point to the ball's surface.
+  bool MoveToLattice(const Point& centre, double radius, double free, Candidate<D>* point) const;
+  // True if a neighbour is at x, within rounding.
+  bool HasNeighbourAt(const Star<D>& star, const Point& x) const;
   // True if an edge of the star goes through the facet, with neither end on it.
   bool IsJoinedThrough(const Star<D>& star, const Facet& facet) const;
 
@@ -168,6 +180,9 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
            !IsJoinedThrough(star, facet))) {
         return;
       }
+      // All of the facet is nearer to v's counterpart than to v: what is left is rounding.
+      const auto other = CounterpartOn(facet, complex_, star.vertex(), cut->nearest);
+      if (other && HasNeighbourAt(star, other->p)) return;
       found = true;
       best->x = best->neighbour = cut->nearest;
       best->e2 = cut->distance2;
@@ -176,6 +191,7 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
     best->required = found;
     if (!found || MoveToCounterpart(star.vertex(), best)) return found;
     const double h = std::sqrt(best->e2);
+    if (MoveToLattice(star.position(), h, h, best)) return true;
     if (GiveWay(star, kGivesWay * h, best)) best->e2 = (1 - kGivesWay) * (1 - kGivesWay) * best->e2;
     return true;
   }
@@ -223,6 +239,50 @@ bool FacetWork<D, E>::GiveWay(const Star<D>& star, double within, Candidate<D>* 
 }
 
 template <int D, template <class> class E>
+bool FacetWork<D, E>::MoveToLattice(const Point& centre, double radius, double free,
+                                    Candidate<D>* point) const {
+  if constexpr (D == 3) {
+    const Facet& facet = complex_.facets[complex_.facets.OfFeature(point->facet)];
+    const Point x = point->x;
+    Axis axis = kNoAxis;
+    using Ends = std::pair<Point, Point>;
+    Ends first;  // of several axes at one distance the one with the least ends
+    double least = INFINITY;
+    complex_.facets.ForEachNear(centre, radius, [&](const Facet& other) {
+      if (&other == &facet) return;
+      const auto turned = TurnedInto(other, facet, x);
+      if (!turned || !(geometry::SquaredDistance(turned->p, centre) < radius * radius)) return;
+      const auto ends =
+          std::minmax(facet.PositionOf(turned->axis[0]), facet.PositionOf(turned->axis[1]));
+      const double d2 = geometry::SquaredDistance(x, ends.first, ends.second);
+      if (d2 > least || (d2 == least && !(Ends(ends) < first))) return;
+      least = d2;
+      axis = turned->axis;
+      first = ends;
+    });
+    if (axis == kNoAxis) return false;
+    const auto place = OnLattice(facet, axis, x, free);
+    if (!place) return false;
+    point->x = place->p;
+    const double nearest = (1 - kFarthestOnLattice) * free;
+    point->e2 = nearest * nearest;
+    point->origin = {kNil, axis, place->at};
+    return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool FacetWork<D, E>::HasNeighbourAt(const Star<D>& star, const Point& x) const {
+  constexpr double kRounding2 = 0x1p-60;  // squared, in units of the distance from v
+  const double least2 = kRounding2 * geometry::SquaredDistance(star.position(), x);
+  for (int i = 0; i < star.slot_count(); ++i) {
+    if (IsInView<D>(star[i]) && geometry::SquaredDistance(star[i].p, x) <= least2) return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
 bool FacetWork<D, E>::IsJoinedThrough(const Star<D>& star, const Facet& facet) const {
   if constexpr (D == 3) {
     for (int i = 0; i < star.slot_count(); ++i) {
@@ -239,8 +299,11 @@ void FacetWork<D, E>::MoveToFacet(const Star<D>& star, Candidate<D>* gap) const 
     const double r = std::sqrt(geometry::SquaredDistance(gap->x, star.position()));
     const PlaceOnFacet foot = FootNear(complex_.facets, gap->x, r);
     if (foot.facet == nullptr) return;
+    const Point centre = gap->x;
     gap->x = foot.p;
     gap->facet = foot.facet->feature();
+    const double to_foot = std::sqrt(geometry::SquaredDistance(centre, foot.p));
+    if (MoveToLattice(centre, r, r - to_foot, gap)) return;
     const bool gives_way = GiveWay(star, kGapGivesWay * r, gap);
     const double nearest = (1 - kNearFacet - (gives_way ? kGapGivesWay : 0)) * r;
     gap->e2 = nearest * nearest;

@@ -19,6 +19,9 @@ using geometry::Vector3;
 // sin(20 degrees), plus a millionth: at 70 degrees or more no angle is small.
 constexpr double kMostCosine = 0.3420201433256687 * kWider;
 
+// Of a lattice's rows, in steps.
+constexpr double kRowHeight = 0.83;
+
 Vector3 Along(const Point3& from, const Point3& to) {
   Vector3 d = Difference(to.c, from.c);
   const double length = std::sqrt(Dot(d, d));
@@ -155,6 +158,45 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const P
     best.Offer(x, distance * distance);
   }
   return best.found();
+}
+
+// The end of the edge with the lesser position comes first: the same for all facets that have it.
+std::optional<PlaceOnLattice> OnLattice(const Facet& facet, const Axis& axis, const Point3& x,
+                                        double step) {
+  Facet::Edge edge = {axis[0], axis[1]};
+  if (facet.PositionOf(edge.second) < facet.PositionOf(edge.first)) {
+    std::swap(edge.first, edge.second);
+  }
+  const Point3& end = facet.PositionOf(edge.first);
+  const double length = std::sqrt(geometry::SquaredDistance(end, facet.PositionOf(edge.second)));
+  const Vector3 d = Along(facet, edge), inward = InwardOf(facet, edge);
+  const Vector3 off = Difference(x.c, end.c);
+  const int halvings = -std::ilogb(step / length);
+  const double u = std::ldexp(Dot(off, d) / length, halvings);
+  const double v = std::ldexp(Dot(off, inward) / length, halvings) / kRowHeight;
+  double i = 0, j = 0, least = INFINITY;
+  for (const double row : {std::floor(v), std::ceil(v)}) {
+    const double at = std::nearbyint(u - 0.5 * row);
+    const double aside = u - 0.5 * row - at, off_row = kRowHeight * (v - row);
+    const double d2 = aside * aside + off_row * off_row;
+    if (d2 < least) least = d2, i = at, j = row;
+  }
+  if (!(j > 0)) return std::nullopt;
+  PlaceOnLattice place;
+  const double along = std::ldexp(i + 0.5 * j, -halvings) * length;
+  const double distance = std::ldexp(kRowHeight * j, -halvings) * length;
+  for (std::size_t k = 0; k < 3; ++k) {
+    place.p.c[k] = end.c[k] + along * d[k] + distance * inward[k];
+  }
+  place.p = facet.plane().Foot(place.p);
+  if (!facet.IsInside(place.p)) return std::nullopt;
+  place.at = {halvings, static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)};
+  while (((place.at.i | place.at.j) & 1) == 0) {
+    --place.at.halvings;
+    place.at.i /= 2;
+    place.at.j /= 2;
+  }
+  return place;
 }
 
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, const Point3& nearest) {

@@ -53,6 +53,23 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const g
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v,
                                      const geometry::Point3& nearest);
 
+// Each edge of a facet has a lattice in the facet's plane. Its rows are parallel to the edge, each
+// 0.83 steps from the one before and half a step along it. A step is the edge's length times a
+// power of two. So each lattice contains all coarser ones, and facets with a common edge have the
+// same lattice, turned. (In squares and equilateral triangles points would be on the balls of
+// subsegments of the edge, or four on a circle: ties that rounding decides.)
+struct PlaceOnLattice {
+  geometry::Point3 p = {};
+  LatticeIndex at = {};
+};
+// The point nearest to x of the lattice with the widest step <= `step`. REQUIRES: `axis` is an edge
+// of the facet. Nothing if the point is outside of the facet, or on the edge.
+std::optional<PlaceOnLattice> OnLattice(const Facet& facet, const Axis& axis,
+                                        const geometry::Point3& x, double step);
+// No place is farther from the lattice than this, in steps: half of a step aside, and from the row
+// so much that both rows' points are equally far.
+inline constexpr double kFarthestOnLattice = 0.5657;
+
 // Is a place of the facet near its corner nearer to the ray from there along `u` than to the
 // facet's edges, at less than 70 degrees from it?
 bool LeansOver(const geometry::Vector3& u, const Facet& facet, VertexIndex corner);

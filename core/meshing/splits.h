@@ -64,7 +64,7 @@ VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
     vertex.creator = context.item;
   }
   vertex.feature = feature;
-  if (origin.of != kNil) complex.elements.SetOrigin(v, origin);
+  if (origin.axis != kNoAxis) complex.elements.SetOrigin(v, origin);
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   vertex.ordinal = static_cast<std::uint8_t>(ordinal);
   context.Emit(MakeOutput(Made::kVertex, v));

@@ -82,6 +82,42 @@ TEST(SharpFacets, ATurnedPlaceIsAsFarFromBothEndsAndTurnsBack) {
   EXPECT_GT(found, 1000);
 }
 
+// Two facets have the same lattice: one point's counterpart is the other.
+TEST(SharpFacets, TheLatticeAboutAnEdgeIsNearNestedAndCommon) {
+  constexpr std::uint64_t kSeed = 8;
+  test::Random random(kSeed);
+  int found = 0, turned = 0;
+  for (int i = 0; i < 2000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const Wedge w(1 + 68 * random.Unit(), random);
+    const Point3 p = w.InF(random);
+    const double step = std::exp2(-7 * random.Unit());
+    const auto x = OnLattice(w.f, {0, 1}, p, step);
+    if (!x) continue;
+    ++found;
+    EXPECT_TRUE(w.f.IsInside(x->p));
+    EXPECT_LE(std::sqrt(SquaredDistance(x->p, p)), kFarthestOnLattice * step * (1 + 1e-12));
+    EXPECT_TRUE(((x->at.i | x->at.j) & 1) != 0);
+    EXPECT_GT(x->at.j, 0);
+    // It stays where it is, in this lattice and in finer ones, from either end of the edge.
+    for (const double finer : {1., .5, .125}) {
+      const auto again = OnLattice(w.f, {1, 0}, x->p, finer * step);
+      ASSERT_TRUE(again);
+      EXPECT_EQ(again->at, x->at);
+      EXPECT_EQ(again->p, x->p);
+    }
+    const auto other = TurnedInto(w.g, w.f, x->p);
+    if (!other) continue;
+    const auto same = OnLattice(w.g, {0, 1}, other->p, step);
+    ASSERT_TRUE(same);
+    ++turned;
+    EXPECT_EQ(same->at, x->at);
+    EXPECT_NEAR(SquaredDistance(same->p, other->p), 0, 1e-28);
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(turned, 500);
+}
+
 TEST(SharpFacets, FacetsAtSeventyDegreesOrMoreHaveNoTurnedPlaces) {
   test::Random random(6);
   for (int i = 0; i < 500; ++i) {

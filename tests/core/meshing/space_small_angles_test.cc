@@ -223,6 +223,26 @@ TEST(SpaceSmallAngles, Sheets) {
   }
 }
 
+// As many sheets as there is room for, of three widths, in several positions. Some of these once
+// had thousands of vertices, most of them in one place.
+TEST(SpaceSmallAngles, FullCirclesOfSheets) {
+  test::Random random(kSeed + 1);
+  for (int round = 0; round < 8; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 1) + ", round " + std::to_string(round));
+    Input input(random);
+    const double shift = 0.05 * random.Unit();
+    const FeatureId a = input.Point({shift, 0, -.2}), b = input.Point({shift, 0, .2});
+    constexpr double kWidths[] = {.4, .2, .12};
+    for (int i = 0; i < 17; ++i) {
+      const double turn = i * 21 * kDegree, r = kWidths[i % 3];
+      const double x = shift + r * std::cos(turn), y = r * std::sin(turn);
+      const FeatureId c = input.Point({x, y, -.2}), d = input.Point({x, y, .2});
+      input.Polygon({a, b, d, c});
+    }
+    EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D), 2'000u);
+  }
+}
+
 // Solids with sharp edges and corners: prisms of a triangle, pyramids, cones.
 TEST(SpaceSmallAngles, Solids) {
   test::Random random(kSeed);

@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+"""Everyday solids and surfaces with small angles, by the dynamic mesher and TetGen.
+
+    tests/bench/experiments/surfaces.py [--quick] [--only WORD] [--more FILE...] [--limit SECONDS]
+
+Each mesh is judged by `dynmesh verify`. FILE: surfaces of one's own, in any format that both read.
+"""
+from __future__ import annotations
+
+import json
+import pathlib
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from typing import Optional
+
+import meshers
+import numpy as np
+import solids
+from output import arguments, markdown, section, write_csv
+
+TEXT = """\
+# Everyday solids, and surfaces with small angles
+
+`tests/bench/experiments/surfaces.py` writes this section. The dynamic mesher without a trace and with
+`--min-dihedral 0`, at ρ = 2, and TetGen (`-pq2`). Of a closed surface the inside is meshed (`--inside`); others
+are meshed in a box of eight times their extent, and vertices of the bare box do not count. Seconds are of
+processor time, without files. "exempt" counts tetrahedra that an angle of the input forces over ρ. "judge" is
+`dynmesh verify` with the input.
+"""
+
+
+@dataclass
+class Result:
+    seconds: float
+    vertices: int
+    exempt: int
+    verdict: str
+
+
+def is_closed(surface: solids.Surface) -> bool:
+    """Each edge is of an even number of polygons."""
+    count: dict[tuple[int, int], int] = {}
+    for p in surface.polygons:
+        for a, b in zip(p, (*p[1:], p[0])):
+            edge = (min(a, b), max(a, b))
+            count[edge] = count.get(edge, 0) + 1
+    return all(n % 2 == 0 for n in count.values())
+
+
+def write_in_cube(path: pathlib.Path, surface: solids.Surface) -> None:
+    """In a cube of 8 times its extent, for TetGen."""
+    points = np.array(surface.corners, dtype=float)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    half = 4 * (points.max(axis=0) - points.min(axis=0)).max()
+    cube = [[middle[k] + (half if i >> k & 1 else -half) for k in range(3)] for i in range(8)]
+    rows = [f"{len(points) + 8} 3 0 0"]
+    rows += [f"{i} {x!r} {y!r} {z!r}"
+             for i, (x, y, z) in enumerate([*np.array(cube).tolist(), *points.tolist()])]
+    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+    faces += [tuple(8 + i for i in p) for p in surface.polygons]
+    rows.append(f"{len(faces)} 0")
+    for face in faces:
+        rows += ["1 0", " ".join(map(str, (len(face), *face)))]
+    path.write_text("\n".join([*rows, "0", "0", ""]), encoding="ascii")
+
+
+def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: float,
+               folder: pathlib.Path) -> Result | str:
+    """What was made, or the reason for a refusal."""
+    out = folder / "mesh.node"
+    flags = ["--min-dihedral", "0", *(["--inside"] if closed else [])]
+    command = [str(program), "mesh", str(path), *flags, "--max-vertices", "400000", "-o", str(out),
+               "--json"]
+    try:
+        made = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        return f"over {limit:.0f} s"
+    if made.returncode != 0:
+        return made.stderr.strip().splitlines()[-1][:120]
+    figures = json.loads(made.stdout)
+    judged = subprocess.run([program, "verify", out, "--input", path, "--min-dihedral", "0"],
+                            capture_output=True, check=False)
+    vertices = int(out.read_text(encoding="ascii").split(maxsplit=1)[0])
+    return Result(figures["build_seconds"],
+                  vertices - (0 if closed else meshers.BOX_VERTICES["dynmesh"]),
+                  figures["exempt"], "good" if judged.returncode == 0 else "FAILED")
+
+
+def by_tetgen(path: pathlib.Path, surface: Optional[solids.Surface], closed: bool, limit: float,
+              folder: pathlib.Path) -> Optional[meshers.Run]:
+    if closed or surface is None:
+        return meshers.tetgen_of_file(path, "-pq2", limit)
+    in_cube = folder / "in_cube.poly"
+    write_in_cube(in_cube, surface)
+    run = meshers.tetgen_of_file(in_cube, "-pq2", limit)
+    if run is not None:
+        run.vertices -= meshers.BOX_VERTICES["TetGen"]
+    return run
+
+
+def main() -> None:
+    parser = arguments(__doc__)
+    parser.add_argument("--only", default="", help="surfaces with this in their name")
+    parser.add_argument("--more", type=pathlib.Path, nargs="*", default=[])
+    parser.add_argument("--limit", type=float, default=120, help="seconds of a run")
+    flags = parser.parse_args()
+    surfaces: dict[str, Optional[solids.Surface]] = dict(solids.everyday())
+    if not flags.quick:
+        surfaces |= solids.large() | {path.stem: None for path in flags.more}
+    files = {path.stem: path for path in flags.more}
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for title, surface in surfaces.items():
+            if flags.only not in title:
+                continue
+            path = folder / "surface.off" if surface else files[title]
+            if surface:
+                solids.write_off(path, surface)
+            closed = surface is None or is_closed(surface)
+            made = by_dynmesh(flags.bin / "dynmesh", path, closed, flags.limit, folder)
+            cells = ([f"{made.vertices:,}", f"{made.seconds:.2f}", f"{made.exempt:,}", made.verdict]
+                     if isinstance(made, Result) else ["", "", "", made])
+            peer = (by_tetgen(path, surface, closed, flags.limit, folder)
+                    if meshers.has_tetgen() else None)
+            cells += ["", ""] if peer is None else [f"{peer.vertices:,}", f"{peer.seconds:.2f}"]
+            polygons = len(surface.polygons) if surface else ""
+            rows.append([title, polygons, *cells])
+            print(*rows[-1], sep="  ", flush=True)
+    head = ["surface", "polygons", "vertices", "seconds", "exempt", "judge", "TetGen: vertices",
+            "seconds"]
+    write_csv(flags.out / "surfaces.csv", head, rows)
+    if not flags.quick and not flags.only:
+        section(flags.page, "surfaces.py", TEXT + "\n" + markdown(head, rows))
+
+
+if __name__ == "__main__":
+    main()
