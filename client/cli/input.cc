@@ -215,6 +215,7 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
 // balls. Ids follow the others'.
 void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
   FeatureId next_id = file.features.size();
+  file.files_from[next_id + 1] = io::ElementMesh::Or(mesh.limit_file, mesh.file);
   for (std::size_t i = 0; i < mesh.limits.size(); ++i) {
     if (!(mesh.limits[i] > 0)) continue;
     if (mesh.dimension == 2) {
@@ -233,7 +234,7 @@ void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
           Feature::Size(++next_id, ball.centre,
                         {SizeShape::kDisc, TargetOfVolume(mesh.limits[i]), ball.radius, {}}));
     }
-    file.lines.push_back(mesh.dimension == 2 ? mesh.triangles[i].line : mesh.tetrahedra[i].line);
+    file.lines.push_back(mesh.limit_lines[i]);
   }
 }
 
