@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -215,6 +216,7 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
 // balls. Ids follow the others'.
 void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
   FeatureId next_id = file.features.size();
+  file.files_from[next_id + 1] = io::ElementMesh::Or(mesh.limit_file, mesh.file);
   for (std::size_t i = 0; i < mesh.limits.size(); ++i) {
     if (!(mesh.limits[i] > 0)) continue;
     if (mesh.dimension == 2) {
@@ -233,7 +235,7 @@ void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
           Feature::Size(++next_id, ball.centre,
                         {SizeShape::kDisc, TargetOfVolume(mesh.limits[i]), ball.radius, {}}));
     }
-    file.lines.push_back(mesh.dimension == 2 ? mesh.triangles[i].line : mesh.tetrahedra[i].line);
+    file.lines.push_back(mesh.limit_lines[i]);
   }
 }
 
@@ -259,11 +261,16 @@ bool IsMap(const std::string& path) {
 
 // Extensions of geometry and meshes that cannot be read: not to be taken for edit scripts.
 bool IsOtherGeometry(std::string_view extension) {
-  constexpr std::array<std::string_view, 29> kKinds = {
-      ".3ds", ".3mf", ".bdf",  ".brep",   ".cdb",  ".cgns", ".dae",  ".dxf",  ".e",   ".edge",
-      ".ele", ".exo", ".face", ".fbx",    ".geo",  ".glb",  ".gltf", ".iges", ".igs", ".inp",
-      ".med", ".nas", ".shp",  ".sldprt", ".step", ".stp",  ".unv",  ".vtk",  ".vtp"};
+  constexpr std::array<std::string_view, 34> kKinds = {
+      ".3ds",  ".3mf",  ".bdf", ".brep", ".cdb",   ".cgns", ".csv", ".dae", ".dxf",
+      ".e",    ".edge", ".ele", ".exo",  ".face",  ".fbx",  ".geo", ".glb", ".gltf",
+      ".iges", ".igs",  ".inp", ".med",  ".meshb", ".nas",  ".png", ".shp", ".sldprt",
+      ".step", ".stp",  ".svg", ".unv",  ".vtk",   ".vtp",  ".wkt"};
   return std::find(kKinds.begin(), kKinds.end(), extension) != kKinds.end();
+}
+
+bool IsSizes(std::string_view extension) {
+  return extension == ".asc" || extension == ".npy" || extension == ".pos" || extension == ".mtr";
 }
 
 absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
@@ -292,7 +299,11 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Polygons of a map become polygon features, not segments");
 }
 
-absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
+namespace {
+
+// All but edit scripts: those have no extension of their own.
+absl::StatusOr<std::optional<Input>> LoadGeometry(const std::string& path,
+                                                  const InputFlags& flags) {
   const std::string extension = io::ExtensionOf(path);
   if (flags.polygons && !IsMap(path)) {
     return absl::InvalidArgumentError(
@@ -332,6 +343,24 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
                                            " files as input are not supported yet in this version; "
                                            "use ",
                                            kSpaceInputKinds));
+  }
+  if (IsSizes(extension)) {
+    return absl::InvalidArgumentError(Concat(path, ": ", extension,
+                                             " files have target lengths: give it with --size, "
+                                             "beside a geometry"));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
+  absl::StatusOr<std::optional<Input>> geometry = LoadGeometry(path, flags);
+  if (!geometry.ok()) return geometry.status();
+  if (*geometry) {
+    if (!(*geometry)->features.empty()) return **std::move(geometry);
+    return absl::InvalidArgumentError(
+        Concat(path, ":1: the file has no points, segments or polygons"));
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
   if (!script.ok()) return script.status();

@@ -161,7 +161,7 @@ int Run(MeshCommand command) {
   bar.End();
   if (!mesh.ok()) {
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
-    return ReportRefusals(named, *input, command.reading.merge_coplanar || command.reading.refine);
+    return ReportRefusals(named, *input, command.reading.merge_coplanar, command.reading.refine);
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {

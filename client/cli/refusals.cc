@@ -91,6 +91,24 @@ void AdviseMerging(const Input& input, const DynamicMesh& mesh) {
                       "their inner edges"));
 }
 
+// Of what `import --clean` mends.
+void AdviseCleaning(const Refusals& refusals) {
+  std::size_t count = 0;
+  for (const char* const mended :
+       {reason::kDegenerateSegment, reason::kDuplicatePoint, reason::kDuplicateSegment,
+        reason::kPointOnSegment, reason::kSegmentsCross, reason::kSegmentsOverlap,
+        reason::kNonPlanar, reason::kDuplicatePolygon, reason::kPointOnPolygon,
+        reason::kSegmentMeetsPolygon, reason::kPolygonsMeet, reason::kTooClose}) {
+    const auto found = refusals.by_reason.find(mended);
+    if (found != refusals.by_reason.end()) count += found->second;
+  }
+  if (count == 0) return;
+  PrintWarning(
+      Concat("`dynmesh import INPUT --clean -o CLEAN.poly` mends what crosses, overlaps, "
+             "touches or is there twice (here ",
+             count, ")"));
+}
+
 }  // namespace
 
 Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options,
@@ -102,7 +120,7 @@ Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& o
   return Find(status, **mesh, features, most_work);
 }
 
-int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged) {
+int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged, bool is_refined) {
   const int code = ReportError(Locate(first, input.where));
   const std::optional<ErrorDetail> detail = GetErrorDetail(first);
   if (!detail || detail->features.empty()) return code;
@@ -112,12 +130,13 @@ int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged
   for (std::size_t i = 1; i < refusals.first.size(); ++i) {
     ReportError(Locate(refusals.first[i], input.where));
   }
+  if (!is_refined) AdviseCleaning(refusals);
   if (refusals.count > 1) {
     PrintWarning(
         Concat(refusals.is_complete ? "" : "at least ", refusals.count, " refusals",
                refusals.count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
   }
-  if (input.options.dimension == 3 && !is_merged) AdviseMerging(input, **mesh);
+  if (input.options.dimension == 3 && !is_merged && !is_refined) AdviseMerging(input, **mesh);
   return code;
 }
 

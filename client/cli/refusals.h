@@ -26,8 +26,9 @@ Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& o
 // Reports `first`, the refusal of `input` by a mesh with its options, then as many others as are
 // found by leaving out, again and again, what is to blame: the first ten are told, all are counted
 // up to a limit. Of a 3D surface whose faces could be joined it says that `--merge-coplanar` does
-// so. Returns the exit code. Only features are looked at; other errors are reported alone.
-int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged);
+// so, and of what `import --clean` mends, that it does; neither of a mesh that is refined. Returns
+// the exit code. Only features are looked at; other errors are reported alone.
+int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged, bool is_refined);
 
 }  // namespace dynmesh::cli
 

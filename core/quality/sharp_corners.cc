@@ -82,7 +82,8 @@ SharpCorners::SharpCorners(const Mesh& mesh,
       corners_of[owner].push_back(t[k]);
     }
   }
-  for (const auto& [corner, fan] : fans) {
+  for (const auto& entry : fans) {
+    const Fan& fan = entry.second;  // no structured binding: clang's lambdas cannot capture one
     const bool is_sharp = std::ranges::any_of(fan.triangles, [&](const auto& triangle) {
       return std::ranges::any_of(fan.ways,
                                  [&](Row next) { return RisesOver(mesh, next, triangle.first); }) ||
@@ -91,7 +92,7 @@ SharpCorners::SharpCorners(const Mesh& mesh,
                       MeetSharply(mesh, triangle.first, other.first);
              });
     });
-    if (is_sharp) sharp_.insert(corner);
+    if (is_sharp) sharp_.insert(entry.first);
   }
   if (sharp_.empty()) return;
   for (const auto& [row, facets] : facets_of) {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,9 @@ struct FileFeatures {
 
   std::string point_file;    // not `segment_file` if a .poly names an external .node
   std::string segment_file;  // of polygons as well; empty for a .node
-  std::vector<int> lines;    // of the feature with id i + 1
+  // Of a mesh in several files: the file of the features from an id on, to the next such id.
+  std::map<FeatureId, std::string> files_from;
+  std::vector<int> lines;  // of the feature with id i + 1
 };
 
 }  // namespace dynmesh::io

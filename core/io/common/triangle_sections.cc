@@ -31,6 +31,9 @@ absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, int wanted) {
     return absl::UnimplementedError(Concat(reader.name(), ":", reader.line(),
                                            ": 3 dimensions are not supported yet in this version"));
   }
+  if (*stated != 2 && *stated != 3) {
+    return reader.Error(Concat("dimension ", *stated, " is neither 2 nor 3"));
+  }
   if (*stated != dimension) {
     return reader.Error(Concat("dimension ", *stated, " is not ", dimension));
   }

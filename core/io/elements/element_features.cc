@@ -76,6 +76,7 @@ class FeatureMaker {
       std::sort(side.begin(), side.end());
       AddConstraint(side, {element.marker, element.line});
     }
+    given_ = order_.size();
     // The simplices of each side, in the order of sides.
     std::vector<std::pair<Side<D>, std::size_t>> sides;
     for (std::size_t i = 0; i < simplices().size(); ++i) {
@@ -125,6 +126,19 @@ class FeatureMaker {
       input_.lines.push_back(mesh_.lines[v]);
     }
     input_.point_count = input_.features.size();
+    input_.labels.attributes = mesh_.attributes;
+    for (std::size_t v = 0; v < used.size() && mesh_.attributes != 0; ++v) {
+      const auto first = mesh_.values.begin() + static_cast<std::ptrdiff_t>(v * mesh_.attributes);
+      if (used[v]) {
+        input_.labels.values.insert(input_.labels.values.end(), first,
+                                    first + static_cast<std::ptrdiff_t>(mesh_.attributes));
+      }
+    }
+  }
+
+  // The next feature and those after it are in `other`, if it has a name.
+  void Continue(const std::string& other) {
+    input_.files_from[last_id_ + 1] = ElementMesh::Or(other, mesh_.file);
   }
 
   void Label(int dimension, std::int64_t marker) { LabelOf(last_id_, dimension, marker); }
@@ -144,8 +158,12 @@ class FeatureMaker {
   }
 
   void AddLines() {
+    Continue(mesh_.segment_file);
     if constexpr (D == 2) {
-      for (const Side<2>& side : order_) AddSegment(side[0], side[1], constraint_of_.at(side));
+      for (std::size_t i = 0; i < order_.size(); ++i) {
+        if (i == given_) Continue(mesh_.triangle_file);
+        AddSegment(order_[i][0], order_[i][1], constraint_of_.at(order_[i]));
+      }
     } else {
       // Lines that are edges of faces need no segment but for their marker.
       std::set<std::array<std::uint32_t, 2>> of_faces, added;
@@ -165,7 +183,10 @@ class FeatureMaker {
 
   void AddFaces() {
     if constexpr (D == 3) {
-      for (const Side<3>& side : order_) {
+      Continue(mesh_.triangle_file);
+      for (std::size_t i = 0; i < order_.size(); ++i) {
+        if (i == given_) Continue(mesh_.tetrahedron_file);
+        const Side<3>& side = order_[i];
         const Constraint& constraint = constraint_of_.at(side);
         input_.features.push_back(
             Feature::Polygon(++last_id_, {{id_of_[side[0]], id_of_[side[1]], id_of_[side[2]]}}));
@@ -240,7 +261,9 @@ class FeatureMaker {
       }
       SeedRow row = SeedAt(centre);
       const std::int64_t marker = simplices()[entry.second].marker;
-      row.more = {static_cast<double>(marker)};
+      const auto fraction = mesh_.fractions.find(marker);
+      row.more = {fraction == mesh_.fractions.end() ? static_cast<double>(marker)
+                                                    : fraction->second};
       const auto name = mesh_.names.find({D, marker});
       if (name != mesh_.names.end()) row.name = name->second;
       input_.regions.push_back(std::move(row));
@@ -305,7 +328,8 @@ class FeatureMaker {
   FeatureId last_id_ = 0;
   std::vector<FeatureId> id_of_;  // of vertices
   absl::flat_hash_map<Side<D>, Constraint> constraint_of_;
-  std::vector<Side<D>> order_;                           // of constraints
+  std::vector<Side<D>> order_;                           // of constraints: the given ones first
+  std::size_t given_ = 0;                                // so many
   std::vector<std::pair<Side<D>, std::size_t>> border_;  // sides of one simplex
   std::optional<UnionFind> parts_;                       // of simplices, not across constraints
 };

@@ -44,8 +44,19 @@ struct ElementMesh {
   std::vector<Element<3>> triangles;
   std::vector<Element<4>> tetrahedra;
   std::map<std::pair<int, std::int64_t>, std::string> names;  // by dimension and marker
+  std::size_t attributes = 0;                                 // of a vertex
+  std::vector<double> values;                                 // `attributes` each
+  // Attributes of triangles (3D: tetrahedra) that are no whole numbers, by the marker for them.
+  std::map<std::int64_t, double> fractions;
   // Of triangles (3D: tetrahedra): the most area (volume), from .area or .vol; not above 0: none.
   std::vector<double> limits;  // empty: no such file
+  std::vector<int> limit_lines;
+  // Where these are not in `file`.
+  std::string segment_file, triangle_file, tetrahedron_file, limit_file;
+
+  static const std::string& Or(const std::string& other, const std::string& file) {
+    return other.empty() ? file : other;
+  }
 };
 
 // Reads a file by its extension: .msh, .mesh, .vtu; .node, .ele and the others of a mesh.

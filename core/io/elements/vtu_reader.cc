@@ -27,8 +27,13 @@ class VtuReader {
     absl::StatusOr<std::vector<XmlTag>> tags = ParseXmlTags(name_, text_);
     if (!tags.ok()) return tags.status();
     if (auto s = ReadTags(*tags); !s.ok()) return s;
-    if (!connectivity_ || !offsets_ || !types_ || points_ == nullptr) {
-      return TextReader::ErrorAt(name_, 1, "no unstructured grid: Points or arrays of Cells lack");
+    for (const auto& [part, is_there] :
+         {std::pair("array in Points", points_ != nullptr),
+          {"array 'connectivity' in Cells", connectivity_.has_value()},
+          {"array 'offsets' in Cells", offsets_.has_value()},
+          {"array 'types' in Cells", types_.has_value()}}) {
+      if (is_there) continue;
+      return TextReader::ErrorAt(name_, 1, Concat("no unstructured grid: there is no ", part));
     }
     if (auto s = AddVertices(); !s.ok()) return s;
     if (auto s = AddCells(); !s.ok()) return s;

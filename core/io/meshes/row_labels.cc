@@ -35,6 +35,33 @@ std::vector<std::array<std::uint32_t, D>> BorderOf(const IndexedMesh& mesh) {
   return border;
 }
 
+// Input points without a marker get that of the segment with the least id, in 3D then of the
+// polygon, that has one: as in Triangle, what is told of a border holds at its corners, too.
+void LabelEnds(IndexedMesh& mesh) {
+  std::vector<std::int64_t>& of_vertices = mesh.labels.vertex_markers;
+  std::vector<bool> is_open(of_vertices.size());
+  for (std::size_t v = 0; v < is_open.size(); ++v) {
+    is_open[v] = of_vertices[v] == 0 && mesh.vertices[v].containing_dimension == 0;
+  }
+  const auto add = [&](const auto& rows, const std::vector<std::int64_t>& markers,
+                       const auto& corners_of) {
+    std::vector<FeatureId> least(is_open.size(), kBoxFeature);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (markers[i] == 0) continue;
+      for (const std::uint32_t v : corners_of(rows[i])) {
+        if (!is_open[v] || rows[i].owner >= least[v]) continue;
+        least[v] = rows[i].owner;
+        of_vertices[v] = markers[i];
+      }
+    }
+    for (std::size_t v = 0; v < is_open.size(); ++v) is_open[v] = is_open[v] && of_vertices[v] == 0;
+  };
+  add(mesh.edges, mesh.labels.edge_markers, [](const IndexedMesh::Edge& e) {
+    return std::array{e.a, e.b};
+  });
+  add(mesh.faces, mesh.labels.face_markers, [](const IndexedMesh::Face& f) { return f.corners; });
+}
+
 template <int D>
 void Label(IndexedMesh& mesh) {
   RowLabels& labels = mesh.labels;
@@ -42,6 +69,7 @@ void Label(IndexedMesh& mesh) {
   for (const auto& v : mesh.vertices) labels.vertex_markers.push_back(marker_of(v.owner));
   for (const auto& e : mesh.edges) labels.edge_markers.push_back(marker_of(e.owner));
   for (const auto& f : mesh.faces) labels.face_markers.push_back(marker_of(f.owner));
+  LabelEnds(mesh);
   absl::flat_hash_map<std::array<std::uint32_t, 2>, std::size_t> edge_of;
   absl::flat_hash_map<std::array<std::uint32_t, 3>, std::size_t> face_of;
   for (std::size_t i = 0; i < mesh.edges.size(); ++i) {

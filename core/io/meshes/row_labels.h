@@ -22,9 +22,10 @@ struct RowLabels {
   // ids of features and numbers of regions.
   bool replace_ids = false;
   bool steiner_ids = false;  // .node files have the ids of features on their Steiner points, too
-  // Markers of the features that rows lie on: a Steiner point on a segment has the segment's. Rows
-  // without one have 1 on the border of the mesh, as in Triangle and TetGen, else 0. Empty if the
-  // input has no markers, unless replace_ids.
+  // Markers of the features that rows lie on: a Steiner point on a segment has the segment's, a
+  // point of the input without one that of its first segment (in 3D then polygon) with one. Other
+  // rows without one have 1 on the border of the mesh, as in Triangle and TetGen, else 0. Empty if
+  // the input has no markers, unless replace_ids.
   std::vector<std::int64_t> vertex_markers, edge_markers, face_markers;
   std::size_t attributes = 0;                 // of a vertex
   std::vector<double> vertex_values;          // `attributes` each

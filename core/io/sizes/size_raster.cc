@@ -127,6 +127,7 @@ absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader) {
   SizeRaster raster;
   raster.file = reader.name();
   std::map<std::string, double> header;
+  std::map<std::string, int> lines;
   double number = 0;
   bool has_row = false;
   while (!has_row && reader.Next()) {
@@ -139,12 +140,14 @@ absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader) {
     const absl::StatusOr<double> value = reader.Double(1, key);
     if (!value.ok()) return value.status();
     header[key] = *value;
+    lines[key] = reader.line();
   }
   const auto count_of = [&](const char* key, std::size_t& count) -> absl::Status {
     const auto it = header.find(key);
-    if (it == header.end() || !(it->second >= 1 && it->second <= 1e9) ||
-        it->second != std::floor(it->second)) {
-      return reader.Error(Concat("the header has no count ", key));
+    if (it == header.end()) return reader.Error(Concat("the header has no count ", key));
+    if (!(it->second >= 1 && it->second <= 1e9) || it->second != std::floor(it->second)) {
+      return TextReader::ErrorAt(raster.file, lines[key],
+                                 Concat(key, " must be a whole number from 1 to 10^9"));
     }
     count = static_cast<std::size_t>(it->second);
     return absl::OkStatus();
@@ -152,7 +155,12 @@ absl::StatusOr<SizeRaster> ParseEsriAscii(TextReader reader) {
   if (auto s = count_of("ncols", raster.counts[0]); !s.ok()) return s;
   if (auto s = count_of("nrows", raster.counts[1]); !s.ok()) return s;
   const double cell = header.contains("cellsize") ? header["cellsize"] : 0;
-  if (!(cell > 0)) return reader.Error("the header has no cellsize above 0");
+  if (!header.contains("cellsize")) {
+    return reader.Error("the header has no cellsize: cells must be squares");
+  }
+  if (!(cell > 0)) {
+    return TextReader::ErrorAt(raster.file, lines["cellsize"], "cellsize must be above 0");
+  }
   const std::size_t cells = raster.counts[0] * raster.counts[1];
   if (cells > reader.text_size() || cells > kMostCells) {
     return reader.Error(Concat("the file is too short for ", cells, " values"));

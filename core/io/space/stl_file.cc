@@ -91,7 +91,9 @@ absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl, FaceRules rules)
     for (std::size_t i = 0; i < 9; ++i) {
       const auto value = std::bit_cast<float>(Word(bytes, at + 12 + 4 * i));
       if (!std::isfinite(value)) {
-        return TextReader::ErrorAt(stl.name(), number, "a triangle with a coordinate not finite");
+        return TextReader::ErrorAt(
+            stl.name(), number,
+            Concat("triangle ", number, " of the file has a coordinate that is not finite"));
       }
       corners[i / 3][i % 3] = double{value};
     }

@@ -132,9 +132,23 @@ TEST_F(CommandLine, ErrorsNameFileAndLine) {
     folder_.Write(name, "");
     begins("mesh " + name, name + ":1: ");
   }
+  // A file without geometry is none: it would make a mesh of nothing.
+  folder_.Write("words.obj", "hello world\n");
+  folder_.Write("none.poly", "0 2 0 0\n0 0\n0\n");
+  folder_.Write("none.node", "0 2 0 0\n");
+  folder_.Write("none.geojson", "{\"type\": \"FeatureCollection\", \"features\": []}\n");
+  for (const std::string name : {"words.obj", "none.poly", "none.node", "none.geojson"}) {
+    begins("mesh " + name, name + ":1: the file has no points, segments or polygons");
+  }
+  folder_.Write("picture.svg", "<svg/>");
+  begins("mesh picture.svg", "picture.svg: .svg files as input are not supported");
+  folder_.Write("h.npy", "");
+  begins("mesh h.npy", "h.npy: .npy files have target lengths: give it with --size");
   folder_.Write("cross.poly", "4 2 0 0\n1 0 0\n2 1 1\n3 1 0\n4 0 1\n2 0\n1 1 2\n2 3 4\n0\n");
   const Outcome cross = Run("mesh cross.poly");
   EXPECT_EQ(cross.code, 2);
+  EXPECT_NE(cross.err.find("import INPUT --clean -o CLEAN.poly` mends"), std::string::npos)
+      << cross.err;
   EXPECT_TRUE(cross.err.find("cross.poly:7") != std::string::npos ||
               cross.err.find("cross.poly:8") != std::string::npos)
       << cross.err;

@@ -2,6 +2,7 @@
 #include "client/cli/labels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -106,6 +107,35 @@ TEST_F(Labels, MarkersOfTheInputAreKeptAndInherited) {
             std::string::npos);
   // Such files can be judged, though not by ids.
   EXPECT_EQ(Run("stats m.node").code, 0);
+}
+
+// As in Triangle. Sides 1 and 2 must not meet in corners of side 1 alone.
+TEST_F(Labels, EndsWithoutAMarkerHaveThatOfTheirFirstSegment) {
+  folder_.Write("p.poly",
+                "6 2 0 1\n1 0 0 0\n2 1 0 0\n3 1 1 9\n4 0 1 0\n5 .3 .5 0\n6 .5 .5 0\n"
+                "5 1\n1 1 2 0\n2 2 3 2\n3 3 4 2\n4 4 1 3\n5 5 6 8\n0\n");
+  ASSERT_EQ(Run("mesh p.poly --inside --markers input -o m.node").code, 0);
+  std::map<std::pair<double, double>, double> found;
+  for (const auto& row : Rows(folder_.Read("m.node"))) found[{row[1], row[2]}] = row[3];
+  EXPECT_EQ((found[{0, 0}]), 3);  // the first segment there has none
+  EXPECT_EQ((found[{1, 0}]), 2);
+  EXPECT_EQ((found[{1, 1}]), 9);
+  EXPECT_EQ((found[{0, 1}]), 2);
+  EXPECT_EQ((found[{.3, .5}]), 8);
+  // A corner of a cube: of the polygon with the least id.
+  folder_.Write("c.smesh",
+                "8 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n5 0 0 4\n6 4 0 4\n7 4 4 4\n"
+                "8 0 4 4\n6 1\n4 1 2 3 4 0\n4 5 6 7 8 2\n4 1 2 6 5 3\n4 2 3 7 6 4\n"
+                "4 3 4 8 7 5\n4 4 1 5 8 6\n0\n0\n");
+  ASSERT_EQ(Run("mesh c.smesh --inside --markers input -o c1.node").code, 0);
+  std::map<std::array<double, 3>, double> corners;
+  for (const auto& row : Rows(folder_.Read("c1.node"))) {
+    corners[{row[1], row[2], row[3]}] = row[4];
+  }
+  EXPECT_EQ((corners[{0, 0, 0}]), 3);
+  EXPECT_EQ((corners[{4, 4, 0}]), 4);
+  EXPECT_EQ((corners[{0, 4, 0}]), 5);
+  EXPECT_EQ((corners[{4, 4, 4}]), 2);
 }
 
 TEST_F(Labels, IdsStayTheDefaultOnSteinerPointsByRequest) {

@@ -1,11 +1,14 @@
 // mesh --refine, and meshes of other programs as input.
 #include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "core/io/elements/element_mesh.h"
 #include "core/io/meshes/mesh_files.h"
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
+#include "tests/support/number_rows.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -87,6 +90,61 @@ TEST_F(Refine, ObeysAreasAndKeepsMarkers) {
   const Outcome refused = Run("mesh m.node -r");
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("m.area:1: limits of 1 elements"), std::string::npos) << refused.err;
+}
+
+// Markers of vertices, their attributes and those of regions are kept, whatever is in the .poly.
+TEST_F(Refine, KeepsWhatFilesSayOfVerticesAndRegions) {
+  folder_.Write("p.poly",
+                "4 2 1 1\n1 0 0 1 101\n2 1 0 3 0\n3 1 1 0 -3\n4 0 1 -2 14\n4 1\n1 1 2 11\n"
+                "2 2 3 12\n3 3 4 13\n4 4 1 14\n0\n1\n1 .5 .5 7.5 .02\n");
+  ASSERT_EQ(Run("mesh p.poly --inside --markers input -o m.poly").code, 0);
+  ASSERT_EQ(Run("mesh m.node -r -a .004 --markers input -o r.node -o r.msh").code, 0);
+  const auto nodes = test::NumberRows(folder_.Read("r.node"));
+  ASSERT_GT(nodes.size(), 2 * test::NumberRows(folder_.Read("m.node")).size());
+  const std::map<std::pair<double, double>, double> corners = {
+      {{0, 0}, 101}, {{1, 0}, 11}, {{1, 1}, -3}, {{0, 1}, 14}};
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    const double x = nodes[i][1], y = nodes[i][2];
+    const auto corner = corners.find({x, y});
+    const double wanted = corner != corners.end() ? corner->second
+                          : y == 0                ? 11
+                          : x == 1                ? 12
+                          : y == 1                ? 13
+                          : x == 0                ? 14
+                                                  : 0;
+    EXPECT_NEAR(nodes[i][3], 1 + 2 * x - 3 * y, 1e-12);
+    EXPECT_EQ(nodes[i][4], wanted) << x << " " << y;
+  }
+  const auto triangles = test::NumberRows(folder_.Read("r.ele"));
+  for (std::size_t i = 1; i < triangles.size(); ++i) EXPECT_EQ(triangles[i][4], 7.5);
+  // Vertices on a segment are in its group: of points there are only those with other markers.
+  const std::string msh = folder_.Read("r.msh");
+  const std::string names = msh.substr(0, msh.find("$EndPhysicalNames"));
+  EXPECT_NE(names.find("\n0 101 "), std::string::npos) << names;
+  EXPECT_EQ(names.find("\n0 13 "), std::string::npos) << names;
+}
+
+TEST_F(Refine, NamesTheFileOfWhatIsWrong) {
+  const std::string nodes = "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n";
+  const struct {
+    std::string file, text, message;
+  } bad[] = {
+      {"ele", "2 3 0\n1 1 2 3\n2 1 3 3\n", "m.ele:3: an element has vertex 3 twice"},
+      {"ele", "2 3 0\n\n1 1 2 3\n2 1 2 4\n", "m.ele:4: segment "},  // triangles that overlap
+      {"edge", "2 1\n1 1 2 5\n2 4 4 5\n", "m.edge:3: an element has vertex 4 twice"},
+      {"edge", "2 1\n1 1 2 5\n2 2 4 5\n", "at m.edge:3)"},  // across the diagonal 1-3
+      {"area", "2\n1 .1\n2 1e-30\n", "m.area:3: "},
+  };
+  for (const auto& [file, text, message] : bad) {
+    folder_.Write("m.node", nodes);
+    folder_.Write("m.ele", "2 3 1\n1 1 2 3 1\n2 1 3 4 2\n");
+    folder_.Write("m.edge", "0 1\n");
+    folder_.Write("m.area", "2\n1 .1\n2 .1\n");
+    folder_.Write("m." + file, text);
+    const Outcome refused = Run("mesh m.node -r");
+    EXPECT_EQ(refused.code, 2) << message;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(Refine, TakesMeshesOfSpace) {

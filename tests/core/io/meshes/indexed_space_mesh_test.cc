@@ -201,7 +201,7 @@ TEST(SpaceMeshFiles, MalformedAreRefusedWithFileAndLine) {
   const std::string side = nodes + "# dynmesh box-face-vertices 5\n";
   const Damage damages[] = {
       {"m.node", "4 3 0 1\n1 0 0 0\n", "m.node:2: a vertex row has 5 values"},
-      {"m.node", "4 4 0 1\n1 0 0 0 0\n", "m.node:1: dimension 4 is not 2"},
+      {"m.node", "4 4 0 1\n1 0 0 0 0\n", "m.node:1: dimension 4 is neither 2 nor 3"},
       {"m.node", side.c_str(), "box-face-vertices names no vertex: 5"},
       {"m.ele", "", "no tetrahedron header"},
       {"m.ele", "1 10 0\n", "m.ele:1: 10 nodes a tetrahedron; only 4"},

@@ -135,7 +135,7 @@ TEST(SpacePolyFile, TakesItsPointsFromTheNodeFileBesideIt) {
 
 TEST(MalformedSpaceInput, NodesAreRefusedWithFileAndLine) {
   ExpectRefused({{"", 1, "no vertex header"},
-                 {"1 4\n1 0 0 0\n", 1, "dimension 4 is not 3"},
+                 {"1 4\n1 0 0 0\n", 1, "dimension 4 is neither 2 nor 3"},
                  {"1 3\n1 0 0\n", 2, "4 values according to its header, this one 3"},
                  {"1 3\n1 0 0 inf\n", 2, "z is not a finite number"},
                  {"4000000000 3\n1 0 0 0\n", 2, "ends after 1 of 4000000000"},

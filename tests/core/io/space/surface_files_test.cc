@@ -220,7 +220,7 @@ TEST(MalformedSurface, BinaryStlIsRefusedWithTheNumberOfTheTriangle) {
   std::vector<Triangle> triangles = TrianglesOf(kTetrahedron);
   triangles[2][1][2] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(Stl(BinaryStl(triangles)).status().message(),
-            "a.stl:3: a triangle with a coordinate not finite");
+            "a.stl:3: triangle 3 of the file has a coordinate that is not finite");
   triangles[2] = triangles[0];
   EXPECT_EQ(Stl(BinaryStl(triangles)).status().message(),
             "a.stl:3: a face has the same corners as the one on line 1; leave one of them out");
