@@ -360,6 +360,8 @@ class Soak {
     line.AddTexts("first_faults", faults);
     std::fputs(line.ToLine().c_str(), stdout);
     if (fault_count > 0) std::fputs(daemon_->Log().c_str(), stderr);
+    // Once more at the end: the summary is a long line, which a report of tests may cut.
+    for (const std::string& fault : faults) std::fprintf(stderr, "%s\n", fault.c_str());
     return well;
   }
 
