@@ -121,8 +121,8 @@ void CureWork<D, E>::Run(Context& context) {
         EmitVertex(complex_, context, x, 0, facet == kNil ? 3 : 2, facet);
         return true;
       };
-      const bool found = ForEachCandidate(complex_, sliver, emit_if_good);
-      if (!found && round + 1 < kCureRounds) {
+      const CandidatesTried tried = ForEachCandidate(complex_, sliver, emit_if_good);
+      if (!tried.found && tried.are_all && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
       }
     }

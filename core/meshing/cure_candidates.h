@@ -7,12 +7,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/facet_plane.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/directions.h"
+#include "core/meshing/sharp_facets.h"
 #include "core/meshing/sliver_table.h"
 
 namespace dynmesh::meshing {
@@ -57,6 +59,10 @@ inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal)
   return x;
 }
 
+// Of facets that meet each other at small angles, only so many are tried, for one round. Between
+// them there is seldom room for a point, and around an edge there may be many.
+inline constexpr std::size_t kSharpCureFacets = 2;
+
 // The facets that the ball may meet, sorted by the distance of their planes from its centre.
 template <template <class> class E>
 std::vector<const Facet*> FacetsNear(const Complex<3, E>& complex, const geometry::Point3& c,
@@ -74,19 +80,36 @@ std::vector<const Facet*> FacetsNear(const Complex<3, E>& complex, const geometr
   return near;
 }
 
-// Calls f(ordinal, x, facet) for the candidates in their order until f returns true. Returns
-// whether it did. facet = kNil: x is on no facet.
+// Do some of them meet at a small angle at a common edge? O(n^2).
+inline bool AnyMeetSharply(std::span<const Facet* const> facets) {
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (MeetSharply(*facets[i], *facets[j])) return true;
+    }
+  }
+  return false;
+}
+
+struct CandidatesTried {
+  bool found = false;   // f returned true
+  bool are_all = true;  // false: not all facets were tried, since they meet at small angles
+};
+// Calls f(ordinal, x, facet) for the candidates in their order until f returns true. facet = kNil:
+// x is on no facet.
 template <template <class> class E, class F>
-bool ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver, F f) {
+CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver, F f) {
   const auto any_of = [&](std::uint32_t first, std::uint32_t end) {
     for (std::uint32_t ordinal = first; ordinal < end; ++ordinal) {
       if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
     }
     return false;
   };
-  if (any_of(0, kFirstInBall)) return true;
+  if (any_of(0, kFirstInBall)) return {true};
   const geometry::Point3& c = sliver.centre;
-  for (const Facet* facet : FacetsNear(complex, c, sliver.radius)) {
+  std::vector<const Facet*> near = FacetsNear(complex, c, sliver.radius);
+  const bool is_sharp = AnyMeetSharply(near);
+  if (is_sharp) near.resize(std::min(near.size(), kSharpCureFacets));
+  for (const Facet* facet : near) {
     const geometry::FacetPlane& plane = facet->plane();
     const double h = plane.Height(c), wide2 = sliver.radius * sliver.radius - h * h;
     if (!(wide2 > 0)) continue;
@@ -100,11 +123,11 @@ bool ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver, F f) {
           p[i] += out * (CosineOf(k) * x[j] + SineOf(k) * y[j]);
         }
         p = plane.Foot(p);
-        if (facet->IsInside(p) && f(kOnFacet, p, facet->feature())) return true;
+        if (facet->IsInside(p) && f(kOnFacet, p, facet->feature())) return {true};
       }
     }
   }
-  return any_of(kFirstInBall, kOnFacet);
+  return {any_of(kFirstInBall, kOnFacet), !is_sharp};
 }
 
 }  // namespace dynmesh::meshing

@@ -110,6 +110,15 @@ bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
 
 }  // namespace
 
+bool MeetSharply(const Facet& f, const Facet& g) {
+  const bool fewer = f.edges().size() <= g.edges().size();
+  const Facet &least = fewer ? f : g, &most = fewer ? g : f;
+  return std::ranges::any_of(least.edges(), [&](const Facet::Edge& edge) {
+    return edge.first < edge.second && most.HasEdge(edge.first, edge.second) &&
+           MeetSharply(f, g, edge);
+  });
+}
+
 // Let d and e be the edges of the facet on either side, and w a direction between them:
 // w = x d + y e. It is nearer to u than to d and e iff w.(u - d) > 0 and w.(u - e) > 0.
 bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {

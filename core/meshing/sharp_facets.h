@@ -70,6 +70,8 @@ std::optional<PlaceOnLattice> OnLattice(const Facet& facet, const Axis& axis,
 // so much that both rows' points are equally far.
 inline constexpr double kFarthestOnLattice = 0.5657;
 
+// Do the facets have an edge in common at which they meet at a small angle?
+bool MeetSharply(const Facet& f, const Facet& g);
 // Is a place of the facet near its corner nearer to the ray from there along `u` than to the
 // facet's edges, at less than 70 degrees from it?
 bool LeansOver(const geometry::Vector3& u, const Facet& facet, VertexIndex corner);
