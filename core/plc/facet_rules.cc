@@ -23,8 +23,8 @@ using geometry::Vector3;
 
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
-// cos(20 degrees), plus a millionth.
-constexpr double kMostCosine = 0.93969262078590838 * kWider;
+// cos(1 degree), plus a millionth.
+constexpr double kMostCosine = 0.99984769515639124 * kWider;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 

@@ -7,7 +7,7 @@
 // Beside the inside, the nearest part is an edge, and edges are segments with rules of their own.
 // So these rules need to treat only positions over the inside and lines that pass through it.
 //
-// Angles are at least 20 degrees (less a millionth of the cosine):
+// Angles are at least 1 degree (less a millionth of the cosine):
 //   * between two facets at a common edge;
 //   * between a facet and a segment that rises from one of its corners over its inside;
 //   * between a facet and such an edge of another facet, if only the corner is common.
@@ -20,7 +20,7 @@
 
 namespace dynmesh::plc {
 
-inline constexpr double kLeastFacetAngle = 20;  // degrees
+inline constexpr double kLeastFacetAngle = 1;  // degrees
 
 // The greatest allowed distance of corners from the plane: 1e-9 of the facet's extent, at least 8
 // ulps.

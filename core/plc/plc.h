@@ -13,7 +13,7 @@
 //      in 4;
 //   4. 3D: polygons are facets, and flat (messages.h, CheckFacet). With each other, with points and
 //      with segments they have only corners and edges in common. No feature is too close to their
-//      insides, and angles are 20 degrees or more (facet_rules.h). A mesh with a quality below 1.4
+//      insides, and angles are 1 degree or more (facet_rules.h). A mesh with a quality below 1.4
 //      has none (options.h).
 // The acceptance of a batch, its Delta and its error are functions of the feature set and the
 // batch, never of history.

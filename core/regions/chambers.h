@@ -2,8 +2,8 @@
 // RegionId).
 //
 // Each polygon has two sides. Around an edge, a side of each polygon faces a side of the next one:
-// such sides belong to the same chamber, or to the outside. The angle between facets is at least 20
-// degrees, so doubles order them. Each component of sides bounds a chamber. Its signed volume is >
+// such sides belong to the same chamber, or to the outside. The angle between facets is at least 1
+// degree, so doubles order them. Each component of sides bounds a chamber. Its signed volume is >
 // 0; the outside's is < 0.
 //
 // Pure, thread-safe.

@@ -55,7 +55,7 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
 constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);  // 0.001 degrees
-constexpr double kTwenty = 0.88302222155948902 * (1 + 2e-6);       // cos(20 degrees), squared
+constexpr double kOneDegree = 0.99969541350954787 * (1 + 2e-6);    // cos(1 degree), squared
 
 class Face {
  public:
@@ -109,10 +109,10 @@ class Face {
     }
     return inside;
   }
-  // True if d, from the corner, rises over the inside at less than 20 degrees.
+  // True if d, from the corner, rises over the inside at less than 1 degree.
   bool IsBelowTwentyOver(const P& corner, const V& d) const {
     const V flat = d - (d * normal_) / (normal_ * normal_) * normal_;
-    return Holds(corner + kStep * flat) && IsBelow(d, flat, kTwenty);
+    return Holds(corner + kStep * flat) && IsBelow(d, flat, kOneDegree);
   }
   // From the middle of an edge into the inside.
   V Inward(const Edge& e) const {
@@ -197,7 +197,7 @@ bool IsSharp(const Face& f, const Face& g) {
     joined.insert({e.p_id, e.q_id});
     for (const Edge& h : g.edges()) {
       if (std::minmax(e.p_id, e.q_id) != std::minmax(h.p_id, h.q_id)) continue;
-      if (IsBelow(f.Inward(e), g.Inward(h), kTwenty)) return true;
+      if (IsBelow(f.Inward(e), g.Inward(h), kOneDegree)) return true;
     }
   }
   const auto rises = [&](const Face& a, const Face& b) {
