@@ -74,14 +74,14 @@ TEST_F(ImportSurface, PartsKeepMarkersAndNames) {
 }
 
 TEST_F(ImportSurface, WhatAMeshStillRefusesIsCounted) {
-  // Two sheets that meet at 6 degrees.
-  folder_.Write("wedge.off", "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.1\n3 0 1 2\n3 0 1 3\n");
+  // Two sheets that meet at 0.6 degrees.
+  folder_.Write("wedge.off", "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.01\n3 0 1 2\n3 0 1 3\n");
   const Outcome outcome = Run("import wedge.off --clean -o out.off");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("refused by a mesh  1 (SMALL_INPUT_ANGLE 1)"), std::string::npos)
       << outcome.out;
   EXPECT_EQ(folder_.Read("out.off"),
-            "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.1\n3 0 1 2\n3 0 1 3\n");
+            "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.01\n3 0 1 2\n3 0 1 3\n");
 }
 
 TEST_F(ImportSurface, WithoutCleaningNothingChanges) {
