@@ -108,6 +108,7 @@ absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       absl::StatusOr<MeshRegistry::HostPtr> host,
                                       std::function<void()> cancel) {
   if (!host.ok()) return host.status();
+  if (*host == nullptr) return absl::CancelledError("the call ended before its mesh was opened");
   absl::StatusOr<StreamPlace> place =
       TakeStream(context, context.edit_streams, "edit streams", pass);
   if (!place.ok()) return place.status();

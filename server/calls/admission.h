@@ -114,8 +114,8 @@ struct EditTarget {
   Access::Stream allowed;
   StreamPlace place;
 };
-// `host` as the registry opened it, for a caller with the right; `cancel` is called when the right
-// is lost.
+// `host` as the registry opened it, for a caller with the right; null: the call ended before it was
+// opened, which is an error here. `cancel` is called when the right is lost.
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       absl::StatusOr<MeshRegistry::HostPtr> host,
                                       std::function<void()> cancel);
