@@ -109,9 +109,6 @@ class FacetWork {
   bool LeavesWhole(const Star<D>& star, FeatureSlot on);
 
  private:
-  // Moves the point of a facet to the counterpart of v there (sharp_facets.h). False if there is
-  // none.
-  bool MoveToCounterpart(VertexIndex v, Candidate<D>* point) const;
   // Moves the point of a facet to the nearest counterpart there of v or a neighbour, of several the
   // least. False if none is within that distance of it.
   bool GiveWay(const Star<D>& star, double within, Candidate<D>* point) const;
@@ -153,6 +150,7 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
     }
     const double far = std::min(std::sqrt(far2), star.reach()) * kWider;
     bool found = false, begun = false;
+    std::optional<Counterpart> counterpart;  // of v, on the facet of the best point
     // A box behind a neighbour's bisector is outside of the cell.
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
       const auto d = geometry::Difference(centre.c, star.position().c);
@@ -187,26 +185,19 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
       best->x = best->neighbour = cut->nearest;
       best->e2 = cut->distance2;
       best->facet = facet.feature();
+      counterpart = other;
     });
     best->required = found;
-    if (!found || MoveToCounterpart(star.vertex(), best)) return found;
+    if (!found) return false;
+    if (counterpart) {
+      best->x = counterpart->p;
+      best->e2 = kNearCounterpart * geometry::SquaredDistance(best->x, star.position());
+      best->origin = {star.vertex(), counterpart->axis};
+      return true;
+    }
     const double h = std::sqrt(best->e2);
     if (MoveToLattice(star.position(), h, h, best)) return true;
     if (GiveWay(star, kGivesWay * h, best)) best->e2 = (1 - kGivesWay) * (1 - kGivesWay) * best->e2;
-    return true;
-  }
-  return false;
-}
-
-template <int D, template <class> class E>
-bool FacetWork<D, E>::MoveToCounterpart(VertexIndex v, Candidate<D>* point) const {
-  if constexpr (D == 3) {
-    const Facet& facet = complex_.facets[complex_.facets.OfFeature(point->facet)];
-    const auto other = CounterpartOn(facet, complex_, v, point->neighbour);
-    if (!other) return false;
-    point->x = other->p;
-    point->e2 = kNearCounterpart * geometry::SquaredDistance(other->p, complex_.vertex(v).p);
-    point->origin = {v, other->axis};
     return true;
   }
   return false;
@@ -252,10 +243,10 @@ bool FacetWork<D, E>::MoveToLattice(const Point& centre, double radius, double f
       if (&other == &facet) return;
       const auto turned = TurnedInto(other, facet, x);
       if (!turned || !(geometry::SquaredDistance(turned->p, centre) < radius * radius)) return;
-      const auto ends =
+      const Ends ends =
           std::minmax(facet.PositionOf(turned->axis[0]), facet.PositionOf(turned->axis[1]));
       const double d2 = geometry::SquaredDistance(x, ends.first, ends.second);
-      if (d2 > least || (d2 == least && !(Ends(ends) < first))) return;
+      if (d2 > least || (d2 == least && !(ends < first))) return;
       least = d2;
       axis = turned->axis;
       first = ends;

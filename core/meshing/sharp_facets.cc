@@ -46,6 +46,17 @@ Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
   return inward;
 }
 
+// Calls f(edge) for the edges that the facets have in common until f returns true. Returns whether
+// it did.
+template <class F>
+bool AnyCommonEdge(const Facet& a, const Facet& b, F f) {
+  const bool fewer = a.edges().size() <= b.edges().size();
+  const Facet &least = fewer ? a : b, &most = fewer ? b : a;
+  return std::ranges::any_of(least.edges(), [&](const Facet::Edge& edge) {
+    return edge.first < edge.second && most.HasEdge(edge.first, edge.second) && f(edge);
+  });
+}
+
 // Do the facets meet at a small angle at this edge, which is of both?
 bool MeetSharply(const Facet& f, const Facet& g, const Facet::Edge& edge) {
   return Dot(InwardOf(f, edge), InwardOf(g, edge)) > kMostCosine;
@@ -111,12 +122,7 @@ bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
 }  // namespace
 
 bool MeetSharply(const Facet& f, const Facet& g) {
-  const bool fewer = f.edges().size() <= g.edges().size();
-  const Facet &least = fewer ? f : g, &most = fewer ? g : f;
-  return std::ranges::any_of(least.edges(), [&](const Facet::Edge& edge) {
-    return edge.first < edge.second && most.HasEdge(edge.first, edge.second) &&
-           MeetSharply(f, g, edge);
-  });
+  return AnyCommonEdge(f, g, [&](const Facet::Edge& edge) { return MeetSharply(f, g, edge); });
 }
 
 // Let d and e be the edges of the facet on either side, and w a direction between them:
@@ -150,12 +156,9 @@ bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {
 
 std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const Point3& p) {
   ByNearestAxis best(to);
-  const bool fewer = own.edges().size() <= to.edges().size();
-  const Facet &least = fewer ? own : to, &most = fewer ? to : own;
-  for (const Facet::Edge& edge : least.edges()) {
-    if (edge.first > edge.second || !most.HasEdge(edge.first, edge.second)) continue;
+  AnyCommonEdge(own, to, [&](const Facet::Edge& edge) {
     const Vector3 inward = InwardOf(to, edge);
-    if (!(Dot(InwardOf(own, edge), inward) > kMostCosine)) continue;
+    if (!(Dot(InwardOf(own, edge), inward) > kMostCosine)) return false;
     const Point3& end = to.PositionOf(edge.first);
     const Vector3 d = Along(to, edge);
     Vector3 off = Difference(p.c, end.c);
@@ -165,7 +168,8 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const P
     Counterpart x{{}, {edge.first, edge.second}};
     for (std::size_t k = 0; k < 3; ++k) x.p.c[k] = end.c[k] + along * d[k] + distance * inward[k];
     best.Offer(x, distance * distance);
-  }
+    return false;
+  });
   return best.found();
 }
 

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -61,8 +62,10 @@ def write_node(path: pathlib.Path, points: np.ndarray) -> None:
     path.write_text("\n".join(rows) + "\n", encoding="ascii")
 
 
-def write_poly_in_cube(path: pathlib.Path, points: np.ndarray) -> None:
-    """The points in a cube of 8 times their extent, about as dynmesh's domain: for TetGen."""
+def write_poly_in_cube(path: pathlib.Path, points: np.ndarray,
+                       polygons: Sequence[Sequence[int]] = ()) -> None:
+    """The points, and polygons by the points' numbers from 0, in a cube of 8 times the points'
+    extent, about as dynmesh's domain: for TetGen."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     half = 4 * (points.max(axis=0) - points.min(axis=0)).max()
     corners = np.array([[middle[k] + (half if i >> k & 1 else -half) for k in range(3)]
@@ -70,8 +73,9 @@ def write_poly_in_cube(path: pathlib.Path, points: np.ndarray) -> None:
     rows = [f"{len(points) + 8} 3 0 0"]
     rows += [f"{i + 1} {x!r} {y!r} {z!r}"
              for i, (x, y, z) in enumerate([*corners.tolist(), *points.tolist()])]
-    rows.append("6 0")
-    for a, b, c, d in [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5),
-                       (2, 4, 8, 6)]:
-        rows += ["1 0", f"4 {a} {b} {c} {d}"]
+    facets = [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6),
+              *(tuple(9 + i for i in polygon) for polygon in polygons)]
+    rows.append(f"{len(facets)} 0")
+    for facet in facets:
+        rows += ["1 0", " ".join(map(str, (len(facet), *facet)))]
     path.write_text("\n".join([*rows, "0", ""]), encoding="ascii")

@@ -14,6 +14,7 @@ import tempfile
 from dataclasses import dataclass
 from typing import Optional
 
+import inputs
 import meshers
 import numpy as np
 import solids
@@ -48,23 +49,6 @@ def is_closed(surface: solids.Surface) -> bool:
     return all(n % 2 == 0 for n in count.values())
 
 
-def write_in_cube(path: pathlib.Path, surface: solids.Surface) -> None:
-    """In a cube of 8 times its extent, for TetGen."""
-    points = np.array(surface.corners, dtype=float)
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    half = 4 * (points.max(axis=0) - points.min(axis=0)).max()
-    cube = [[middle[k] + (half if i >> k & 1 else -half) for k in range(3)] for i in range(8)]
-    rows = [f"{len(points) + 8} 3 0 0"]
-    rows += [f"{i} {x!r} {y!r} {z!r}"
-             for i, (x, y, z) in enumerate([*np.array(cube).tolist(), *points.tolist()])]
-    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
-    faces += [tuple(8 + i for i in p) for p in surface.polygons]
-    rows.append(f"{len(faces)} 0")
-    for face in faces:
-        rows += ["1 0", " ".join(map(str, (len(face), *face)))]
-    path.write_text("\n".join([*rows, "0", "0", ""]), encoding="ascii")
-
-
 def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: float,
                folder: pathlib.Path) -> Result | str:
     """What was made, or the reason for a refusal."""
@@ -92,7 +76,7 @@ def by_tetgen(path: pathlib.Path, surface: Optional[solids.Surface], closed: boo
     if closed or surface is None:
         return meshers.tetgen_of_file(path, "-pq2", limit)
     in_cube = folder / "in_cube.poly"
-    write_in_cube(in_cube, surface)
+    inputs.write_poly_in_cube(in_cube, np.array(surface.corners, dtype=float), surface.polygons)
     run = meshers.tetgen_of_file(in_cube, "-pq2", limit)
     if run is not None:
         run.vertices -= meshers.BOX_VERTICES["TetGen"]
