@@ -51,6 +51,8 @@ class InputEditor {
     std::vector<SizingRegion<D>> sizes;
     std::vector<Facet> facets;
     std::vector<FacetIndex> new_facets;  // those that came and are present
+    // A propagation has begun with some of them and was interrupted before it had settled them.
+    bool begun = false;
   };
   Changes& changes() { return changes_; }
 

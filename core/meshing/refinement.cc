@@ -127,7 +127,8 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
   auto& changes = parts_->input.changes();
-  KeepNetChanges(changes.features);
+  // Anchors decided by an interrupted call are decided again, even if its changes were undone.
+  if (!std::exchange(changes.begun, true)) KeepNetChanges(changes.features);
   if (!parts_->anchors.Update(interrupt) || !parts_->facet_anchors.Update(interrupt)) return false;
   changes.sizes.clear();
   changes.new_facets.clear();
@@ -137,6 +138,7 @@ bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
   parts_->notifier.OfFacets(changes.facets);
   changes.features.clear();
   changes.facets.clear();
+  changes.begun = false;
   if constexpr (kTraced) {
     complex_.numbers_by_age = engine_.IsFromScratch() && !complex_.elements.has_free_vertices();
   }

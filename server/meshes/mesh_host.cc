@@ -366,7 +366,12 @@ absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& 
     const MeshLog::Batch alone{&job.edits, job.request_id, edit.answer};
     return WriteDown({&alone, 1}, job.source);
   };
+  const MeshHash before = mesh_->hash();
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
+  if (const MeshHash& due = applied.ok() ? applied->hash : before; mesh_->hash() != due) {
+    return Lose(absl::StrCat("it has the hash ", mesh_->hash().ToHex(), ", not ", due.ToHex(),
+                             applied.ok() ? ", after a batch" : ", after a batch was undone"));
+  }
   if (!applied.ok()) {
     const bool stopped = grows && memory_ != nullptr && absl::IsCancelled(applied.status()) &&
                          (job.cancelled == nullptr || !job.cancelled->load());

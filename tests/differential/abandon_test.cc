@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "dynmesh/error.h"
 #include "tests/differential/differential.h"
@@ -37,6 +38,44 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
 }
 
 constexpr std::uint64_t kSeed = 4;
+
+// Anchors are decided before the first operation. They depend on the features beside them, so those
+// that were decided must be decided again. Stops the batch at the first operations after its
+// validation.
+template <int D>
+void ExpectStopsAmongAnchorsToChangeNothing(const EditBatch& present, const EditBatch& batch) {
+  LiveMesh<D> mesh(DefaultsIn<D>(), AlwaysPropagate());
+  ASSERT_TRUE(mesh.Apply(present, ApplyOptions{}).ok());
+  const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
+  const auto first = static_cast<int>(batch.size());
+  for (int stop = first; stop < first + 40; ++stop) {
+    int asked = 0;
+    const auto diff = mesh.Apply(batch, {.interrupted = [&] { return asked++ == stop; }});
+    ASSERT_TRUE(absl::IsCancelled(diff.status())) << "stop " << stop;
+    ASSERT_EQ(mesh.hash(), hash) << "stop " << stop;
+    ASSERT_EQ(mesh.Audit().trace, trace) << "stop " << stop;
+  }
+  ASSERT_TRUE(mesh.Apply(batch, ApplyOptions{}).ok());
+  const Difference d = CompareWithScratch(mesh, true);
+  EXPECT_FALSE(d.found) << d.what;
+}
+
+// `points` points in an area with a target length: half of them, then the others and moves.
+template <int D>
+void ExpectStopsAmongAnchorsOfPointsToChangeNothing(FeatureId points, double target) {
+  const Sizing disc = {SizeShape::kDisc, target, 0.25, {}};
+  EditBatch present = {Edit::Add(Feature::Size(1, {0.5, 0.5, 0.5}, disc))}, batch;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> inside(0.35, 0.65);
+  const auto add = [&](FeatureId id) {
+    return Edit::Add(Feature::Point(id, inside(random), inside(random), inside(random)));
+  };
+  for (FeatureId i = 0; i < points; ++i) (i % 2 == 0 ? present : batch).push_back(add(10 + i));
+  for (FeatureId i = 0; i < points; i += 4) {
+    batch.push_back(Edit::Move(10 + i, inside(random), inside(random), inside(random)));
+  }
+  ExpectStopsAmongAnchorsToChangeNothing<D>(present, batch);
+}
 
 template <int D, class Generator>
 void ExpectStopsToChangeNothing(Generator generator, int revisions, double min_dihedral = 0) {
@@ -75,6 +114,30 @@ TEST_P(AbandonPolygons, AtAnyOperationBringsTheFormerTraceBack) {
 
 TEST_P(AbandonPolygons, AmongCuresBringsTheFormerTraceBack) {
   ExpectStopsToChangeNothing<3>(PolygonScript(GetParam(), 2, kSeed), 4, 15);
+}
+
+TEST(AbandonAnchors, AtAnyOfThemBringsTheFormerTraceBack2D) {
+  ExpectStopsAmongAnchorsOfPointsToChangeNothing<2>(480, 0.02);
+}
+TEST(AbandonAnchors, AtAnyOfThemBringsTheFormerTraceBack3D) {
+  ExpectStopsAmongAnchorsOfPointsToChangeNothing<3>(60, 0.06);
+}
+// A polygon with anchors of its own comes, another one goes.
+TEST(AbandonAnchors, AtAnyOfFacetsBringsTheFormerTraceBack) {
+  const Sizing disc = {SizeShape::kDisc, 0.05, 0.3, {}};
+  EditBatch present = {Edit::Add(Feature::Size(1, {0.5, 0.5, 0.5}, disc))}, batch;
+  const auto add = [](FeatureId first, double z, EditBatch& to) {
+    for (FeatureId i = 0; i < 4; ++i) {
+      to.push_back(Edit::Add(
+          Feature::Point(first + i, i == 0 || i == 3 ? 0.25 : 0.75, i < 2 ? 0.25 : 0.75, z)));
+    }
+    to.push_back(
+        Edit::Add(Feature::Polygon(first + 4, {{first, first + 1, first + 2, first + 3}})));
+  };
+  add(10, 0.375, present);
+  add(20, 0.625, batch);
+  batch.push_back(Edit::Remove(14));
+  ExpectStopsAmongAnchorsToChangeNothing<3>(present, batch);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),

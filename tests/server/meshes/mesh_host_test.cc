@@ -7,6 +7,7 @@
 
 #include "dynmesh/error.h"
 #include "server/base/log.h"
+#include "tests/server/meshes/mesh_decorator.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {
@@ -418,6 +419,37 @@ TEST_F(MeshHostTest, TellsHowFarItsBatchIs) {
   EXPECT_FALSE(host->running().has_value());
   ASSERT_EQ(told.size(), 5u);
   EXPECT_EQ(told.back().stage, BatchProgress::Stage::kDiff);
+}
+
+// Has another hash than it should after one batch.
+class ForgetfulMesh final : public MeshDecorator {
+ public:
+  ForgetfulMesh(std::unique_ptr<DynamicMesh> mesh, bool after_refusal)
+      : MeshDecorator(std::move(mesh)), after_refusal_(after_refusal) {}
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& options) override {
+    auto diff = mesh_->Apply(batch, options);
+    is_other_ = is_other_ || diff.ok() != after_refusal_;
+    return diff;
+  }
+  MeshHash hash() const override { return is_other_ ? MeshHash{1, 2} : mesh_->hash(); }
+
+ private:
+  const bool after_refusal_;
+  bool is_other_ = false;
+};
+
+TEST_F(MeshHostTest, IsClosedIfItsMeshIsNotAsItShouldBe) {
+  for (const bool after_refusal : {false, true}) {
+    const auto host = MeshHost::Create(
+        "m", std::make_unique<ForgetfulMesh>(*MakeFake(MeshOptions(), gate_), after_refusal),
+        absl::UnixEpoch(), &writers_, &readers_, {});
+    const Result first = Apply(*host, {AddPoint(1)});
+    EXPECT_EQ(first.ok(), after_refusal) << Text(first.status());
+    const Result second = Apply(*host, {AddPoint(1)});  // its id is in use
+    EXPECT_EQ(second.status().code(), absl::StatusCode::kInternal);
+    EXPECT_NE(second.status().message().find("can no longer be followed"), std::string::npos);
+    EXPECT_EQ(host->head().revision, after_refusal ? 1u : 0u);  // the last good one
+  }
 }
 
 }  // namespace
