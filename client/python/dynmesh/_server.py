@@ -23,7 +23,7 @@ Pem = Union[str, bytes, "os.PathLike[str]", None]
 
 def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificate: Pem = None,
             tls_key: Pem = None, timeout: float = 0.0, retry_for: float = 30.0,
-            any_version: bool = False) -> Server:
+            any_version: bool = False, from_followers: bool = False) -> Server:
     """The server at `address`. Does not connect yet: the first call fails if it is unreachable.
 
     Args:
@@ -39,9 +39,13 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
             have ids, so none is applied twice.
         any_version: accepts a server of another version. Otherwise the first call raises
             `VersionMismatch` if the first two numbers of the versions differ.
+        from_followers: reads ask the first server of `address` that can be reached, which may
+            follow the mesh of another one. They may be some ten milliseconds old, but are never
+            older than what this connection has seen.
     """
     return Server(address, token=token, tls_ca=tls_ca, tls_certificate=tls_certificate,
-                  tls_key=tls_key, timeout=timeout, retry_for=retry_for, any_version=any_version)
+                  tls_key=tls_key, timeout=timeout, retry_for=retry_for, any_version=any_version,
+                  from_followers=from_followers)
 
 
 def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
@@ -77,11 +81,12 @@ class Server:
     """A server's meshes. A context manager; thread-safe."""
 
     def __init__(self, address: str, *, token: str, tls_ca: Pem, tls_certificate: Pem, tls_key: Pem,
-                 timeout: float, retry_for: float, any_version: bool) -> None:
+                 timeout: float, retry_for: float, any_version: bool,
+                 from_followers: bool) -> None:
         #: The given "host:port".
         self.address: str = address
         self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
-                                    _pem(tls_key), timeout)
+                                    _pem(tls_key), timeout, from_followers)
         self._retry_for = retry_for
         self._version_fits = any_version
 

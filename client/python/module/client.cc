@@ -166,7 +166,7 @@ void BindClient(py::module_& module) {
   py::class_<MeshClient>(module, "Client")
       .def(py::init([](const std::string& address, const std::string& token,
                        const std::string& tls_ca, const std::string& tls_certificate,
-                       const std::string& tls_key, double timeout) {
+                       const std::string& tls_key, double timeout, bool from_followers) {
              client::ClientOptions options;
              options.token = token;
              options.tls_ca = tls_ca;
@@ -174,10 +174,11 @@ void BindClient(py::module_& module) {
              options.tls_key = tls_key;
              if (timeout > 0) options.timeout = absl::Seconds(timeout);
              options.own_connection = true;
+             options.from_followers = from_followers;
              return MeshClient::Connect(address, options);
            }),
            py::arg("address"), py::arg("token"), py::arg("tls_ca"), py::arg("tls_certificate"),
-           py::arg("tls_key"), py::arg("timeout"))
+           py::arg("tls_key"), py::arg("timeout"), py::arg("from_followers"))
       .def("create",
            [](MeshClient& c, const std::string& id, const py::dict& options,
               const std::string& request_id) {

@@ -14,9 +14,10 @@ import dynmesh
 class Daemon:
     """A server that can be ended, killed and started again with its journal."""
 
-    def __init__(self, folder, *arguments):
+    def __init__(self, folder, *arguments, journal=None):
         self.folder = pathlib.Path(folder)
-        self.arguments = arguments
+        kept_in = ["--journal", journal] if journal else ["--data-dir", self.folder / "journal"]
+        self.arguments = [*kept_in, *arguments]
         self.address = ""
         self._process = None
 
@@ -26,7 +27,7 @@ class Daemon:
         with open(self.folder / "log", "ab") as log:
             self._process = subprocess.Popen(
                 [os.environ["DYNMESHD"], "--listen", self.address or listen, "--port-file",
-                 port_file, "--data-dir", self.folder / "journal", *self.arguments],
+                 port_file, *self.arguments],
                 stdout=subprocess.DEVNULL, stderr=log)
         until = time.monotonic() + 30
         while not port_file.exists() or not port_file.read_text():
