@@ -111,6 +111,8 @@ const std::vector<Case>& Cases() {
   static const std::vector<Case> cases = {
       {"sphere", [](SurfaceMaker& m, std::uint64_t) { m.AddSphere(14); }, 40, 0.02, 0.3},
       {"sphere, far", [](SurfaceMaker& m, std::uint64_t) { m.AddSphere(10); }, 60, 0.2, 0.1},
+      {"sphere, small angle", [](SurfaceMaker& m, std::uint64_t) { m.AddSphere(10); }, 20, 0.2,
+       0.9},
       {"cylinder", [](SurfaceMaker& m, std::uint64_t) { m.AddCylinder(48, true); }, 40, 0.02, 0.25,
        true},
       {"open cylinder", [](SurfaceMaker& m, std::uint64_t) { m.AddCylinder(48, false); }, 40, 0.02,

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "tests/client/cleaning/surface_oracle.h"
@@ -100,6 +103,52 @@ TEST(FeatureEdges, BordersBetweenGroupsStay) {
       EXPECT_TRUE(options.groups.contains(f.id) ? at.at(corner)[0] <= 3 : at.at(corner)[0] >= 3);
     }
   }
+}
+
+TEST(FeatureEdges, ABorderBetweenGroupsInAPlaneStaysWithinTheDistance) {
+  // A disc of radius 1 in a ring of radius 2; the surface is flat, only the circle between bends.
+  constexpr int kSides = 96;
+  SurfaceMaker maker;
+  FeatureEdgeOptions options = Options(60, 0.02);
+  const auto at = [](int i, double radius) {
+    const double angle = 2 * std::numbers::pi * (i % kSides) / kSides;
+    return SurfaceMaker::Place{radius * std::cos(angle), radius * std::sin(angle), 0};
+  };
+  for (int i = 0; i < kSides; ++i) maker.AddTriangle(at(i, 0.9), at(i + 1, 0.9), {0, 0, 0});
+  for (const double radius : {0.9, 1.0, 1.5}) {
+    for (int i = 0; i < kSides; ++i) {
+      const double outer = radius < 1 ? 1 : radius + 0.5;
+      maker.AddQuadrangle(at(i, radius), at(i + 1, radius), at(i + 1, outer), at(i, outer));
+    }
+  }
+  const std::vector<Feature> input = maker.Features();
+  const FeatureId first = CountOf(input, FeatureKind::kPoint) + 1;
+  for (FeatureId k = 0; k < 3 * kSides; ++k) options.groups[first + k] = 1;
+  const auto kept = KeepFeatureEdges(input, options);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_LT(CountOf(kept->features, FeatureKind::kPolygon), maker.face_count() / 2);
+  // Edges of the disc's border are between points of the circle: their middles are near it.
+  std::map<FeatureId, Place3> places;
+  std::map<std::set<FeatureId>, std::set<bool>> groups;
+  for (const Feature& f : kept->features) {
+    if (f.kind == FeatureKind::kPoint) places[f.id] = f.position;
+    if (f.kind != FeatureKind::kPolygon) continue;
+    FeatureId whole = f.id;
+    for (const auto& [part, of] : kept->parts) whole = part == f.id ? of : whole;
+    for (std::size_t k = 0; k < 3; ++k) {
+      groups[{f.rings[0][k], f.rings[0][(k + 1) % 3]}].insert(options.groups.contains(whole));
+    }
+  }
+  std::size_t borders = 0;
+  for (const auto& [edge, of] : groups) {
+    if (of.size() < 2) continue;
+    ++borders;
+    const Place3 &a = places.at(*edge.begin()), &b = places.at(*edge.rbegin());
+    EXPECT_NEAR(std::hypot(a[0], a[1]), 1, 1e-12);
+    EXPECT_GE(std::hypot((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), 1 - 0.02 - 1e-3);
+  }
+  EXPECT_GT(borders, 10U);
+  EXPECT_LT(borders, kSides / 2);
 }
 
 TEST(FeatureEdges, SegmentsPointsAndWhatIsNearAnotherSurfaceStay) {
