@@ -297,6 +297,8 @@ const char* NameOf(SurfaceChangeKind kind) {
       return "segment doubled";
     case SurfaceChangeKind::kSegmentDropped:
       return "segment dropped";
+    case SurfaceChangeKind::kPointDropped:
+      return "point dropped";
   }
   return "";
 }

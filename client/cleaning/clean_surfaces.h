@@ -54,8 +54,10 @@ enum class SurfaceChangeKind : std::uint8_t {
   kFaceDropped,   // face ids[0], which had a corner at `from`, has no area left
   kSegmentDoubled,  // the part `from` - `to` of segment ids[0] is also one of ids[1]
   kSegmentDropped,  // segment ids[0], which began at `from`, has no length left
+  // Of KeepFeatureEdges (feature_edges.h):
+  kPointDropped,  // faces around point ids[0], at `from` and `to`, became larger ones without it
 };
-inline constexpr int kSurfaceChangeKinds = 11;
+inline constexpr int kSurfaceChangeKinds = 12;
 
 // "point merged", "faces crossed": for messages and JSON values.
 const char* NameOf(SurfaceChangeKind kind);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "client/cleaning/clean_input.h"
+#include "client/cleaning/feature_edges.h"
 #include "client/cli/command.h"
 #include "client/cli/import_report.h"
 #include "client/cli/import_surface.h"
@@ -37,7 +38,7 @@ struct ImportCommand {
   std::string input;
   std::string output;
   std::string box;
-  std::optional<double> tolerance;
+  std::optional<double> tolerance, feature_angle, within;
   bool clean = false;
   bool polygons = false;
   bool json = false;
@@ -155,10 +156,31 @@ absl::Status MarkSeeds(bool cleaned, Input& input, std::vector<Feature>& feature
   return status;
 }
 
-int Run(const ImportCommand& command) {
+// Flags that do not go together, and values out of range.
+absl::Status CheckFlags(const ImportCommand& command) {
   if (command.tolerance && !command.clean) {
-    return ReportError(absl::InvalidArgumentError("--tolerance needs --clean"));
+    return absl::InvalidArgumentError("--tolerance needs --clean");
   }
+  if (command.feature_angle && !command.clean) {
+    return absl::InvalidArgumentError("--feature-angle needs --clean");
+  }
+  if (command.within && !command.feature_angle) {
+    return absl::InvalidArgumentError("--within needs --feature-angle");
+  }
+  constexpr double kLeast = cleaning::kLeastFeatureAngle, kMost = cleaning::kMostFeatureAngle;
+  if (const auto& angle = command.feature_angle; angle && !(*angle >= kLeast && *angle <= kMost)) {
+    return absl::InvalidArgumentError(Concat("--feature-angle: it must be from ", kLeast, " to ",
+                                             kMost, " degrees, found ", *angle));
+  }
+  if (command.within && !(*command.within > 0 && std::isfinite(*command.within))) {
+    return absl::InvalidArgumentError(
+        Concat("--within: it must be above 0, found ", *command.within));
+  }
+  return absl::OkStatus();
+}
+
+int Run(const ImportCommand& command) {
+  if (const absl::Status status = CheckFlags(command); !status.ok()) return ReportError(status);
   InputFlags reading;
   reading.polygons = command.polygons;
   if (command.clean) reading.faces = io::FaceRules::kAsTheyCome;
@@ -174,9 +196,13 @@ int Run(const ImportCommand& command) {
     if (const absl::Status status = CheckInside(*input); !status.ok()) return ReportError(status);
   }
   if (input->options.dimension == 3) {
-    return ImportSurface(
-        {command.input, command.output, command.tolerance, command.clean, command.json},
-        *std::move(input));
+    return ImportSurface({command.input, command.output, command.tolerance, command.feature_angle,
+                          command.within, command.clean, command.json},
+                         *std::move(input));
+  }
+  if (command.feature_angle) {
+    return ReportError(absl::InvalidArgumentError(
+        Concat("--feature-angle is for surfaces; ", command.input, " is 2D")));
   }
   const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
   if (!kind.ok()) return ReportError(kind.status());
@@ -245,6 +271,14 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                   "Points nearer to each other than this are merged (default: 4 times, in 3D 8 "
                   "times, what a mesh refuses as too close)")
       ->type_name("T");
+  sub->add_option("--feature-angle", command->feature_angle,
+                  "With --clean: of a surface keep only edges sharper than A degrees (0.1 to 89), "
+                  "and corners; nearly flat patches get fewer, larger triangles")
+      ->type_name("A");
+  sub->add_option("--within", command->within,
+                  "With --feature-angle: the new surface and the old one are this near to each "
+                  "other everywhere (default: 0.001 of the diagonal of the surface's box)")
+      ->type_name("D");
   AddBoxFlag(*sub, command->box);
   sub->add_flag("--json", command->json,
                 "Print every change, a map's polygons with their names, and a summary, one object "

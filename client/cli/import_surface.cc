@@ -4,9 +4,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_format.h"
 #include "client/cleaning/clean_surfaces.h"
+#include "client/cleaning/feature_edges.h"
 #include "client/cli/command.h"
 #include "client/cli/import_report.h"
 #include "client/cli/json.h"
@@ -36,7 +43,8 @@ constexpr std::size_t kMostWork = 1'000'000;
 double DistanceOf(const SurfaceChange& change) {
   // For these kinds `from` and `to` are two places, not a motion.
   if (change.kind == SurfaceChangeKind::kFaceDoubled ||
-      change.kind == SurfaceChangeKind::kSegmentDoubled) {
+      change.kind == SurfaceChangeKind::kSegmentDoubled ||
+      change.kind == SurfaceChangeKind::kPointDropped) {
     return 0;
   }
   return std::hypot(change.from[0] - change.to[0], change.from[1] - change.to[1],
@@ -60,20 +68,81 @@ void AddTo(JsonObject& summary, const Refusals& refusals) {
       .AddObject("refused_by_reason", reasons);
 }
 
-// Parts have the labels of what they are a part of. Attributes of points are left out.
-void KeepLabels(const SurfaceCleanResult& result, const std::string& path,
-                io::FeatureLabels& labels) {
-  for (const auto& [part, whole] : result.parts) {
+// Of what was done to keep feature edges only.
+struct FeatureEdgeReport {
+  double angle = 0, within = 0, seconds = 0;
+  std::size_t sharp_edges = 0, corners = 0;
+};
+
+std::string ToText(const FeatureEdgeReport& report) {
+  return absl::StrFormat(
+      "sharp edges        %d, sharper than %.6g degrees\n"
+      "corners            %d\n"
+      "surface within     %.6g\n"
+      "simplified in      %.3f s\n",
+      report.sharp_edges, report.angle, report.corners, report.within, report.seconds);
+}
+
+void AddTo(JsonObject& summary, const FeatureEdgeReport& report) {
+  summary.Add("feature_angle", report.angle)
+      .Add("sharp_edges", report.sharp_edges)
+      .Add("corners", report.corners)
+      .Add("within", report.within)
+      .Add("simplify_seconds", report.seconds);
+}
+
+using Parts = std::vector<std::pair<FeatureId, FeatureId>>;
+
+// Parts have the labels of what they are a part of.
+void KeepLabels(const Parts& parts, io::FeatureLabels& labels) {
+  for (const auto& [part, whole] : parts) {
     if (const std::int64_t marker = labels.MarkerOf(whole); marker != 0) {
       labels.markers[part] = marker;
     }
     if (const std::string name = labels.NameOf(whole); !name.empty()) labels.names[part] = name;
   }
+}
+
+void DropAttributes(const std::string& path, io::FeatureLabels& labels) {
   if (labels.attributes != 0) {
     PrintWarning(Concat(path, ": attributes of points left out by --clean"));
   }
   labels.attributes = 0;
   labels.values.clear();
+}
+
+// Polygons of the same marker and name are a group.
+absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature>& features,
+                                                       const io::FeatureLabels& labels) {
+  absl::flat_hash_map<FeatureId, std::uint32_t> groups;
+  std::map<std::pair<std::int64_t, std::string>, std::uint32_t> numbers;
+  numbers[{0, ""}] = 0;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPolygon) continue;
+    const auto next = static_cast<std::uint32_t>(numbers.size());
+    groups[f.id] =
+        numbers.try_emplace({labels.MarkerOf(f.id), labels.NameOf(f.id)}, next).first->second;
+  }
+  return groups;
+}
+
+// Replaces the features of `result`.
+absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& result,
+                              io::FeatureLabels& labels, FeatureEdgeReport& report) {
+  cleaning::FeatureEdgeOptions options;
+  options.angle = *command.feature_angle;
+  options.within = command.within.value_or(cleaning::DefaultWithin(result.features));
+  options.tolerance = result.tolerance;
+  options.groups = GroupsOf(result.features, labels);
+  const auto start = std::chrono::steady_clock::now();
+  auto kept = cleaning::KeepFeatureEdges(result.features, options);
+  if (!kept.ok()) return kept.status();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  report = {options.angle, options.within, seconds.count(), kept->sharp_edges, kept->corners};
+  KeepLabels(kept->parts, labels);
+  result.features = std::move(kept->features);
+  result.changes.insert(result.changes.end(), kept->changes.begin(), kept->changes.end());
+  return absl::OkStatus();
 }
 
 absl::Status Write(const SurfaceImport& command, const Input& input,
@@ -111,6 +180,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
   SurfaceCleanResult result;
   ImportSummary summary;
   Refusals refusals;
+  std::optional<FeatureEdgeReport> edges;
   io::FeatureLabels labels = *input.labels;
   if (command.clean) {
     const absl::StatusOr<double> tolerance =
@@ -129,11 +199,18 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     summary.AddCleaning(NamesOf<SurfaceChangeKind>(cleaning::kSurfaceChangeKinds), result.tolerance,
                         result.rounds, seconds.count());
+    KeepLabels(result.parts, labels);
+    DropAttributes(command.input, labels);
+    if (command.feature_angle) {
+      bar.Show(0, 0, "making nearly flat patches coarse");
+      const absl::Status status = KeepFeatureEdges(command, result, labels, edges.emplace());
+      bar.End();
+      if (!status.ok()) return ReportError(status);
+    }
     for (const SurfaceChange& change : result.changes) {
       summary.AddChange(static_cast<std::size_t>(change.kind), DistanceOf(change));
     }
     refusals = FindRefusals(result.features, input.options, kMostWork);
-    KeepLabels(result, command.input, labels);
   } else {
     result.features = input.features;
   }
@@ -147,10 +224,12 @@ int ImportSurface(const SurfaceImport& command, Input input) {
       report += ChangeLine(cleaning::NameOf(change.kind), change.ids, change.from, change.to);
     }
     JsonObject object = summary.ToJson();
+    if (edges) AddTo(object, *edges);
     if (command.clean) AddTo(object, refusals);
     report += object.ToLine();
   } else {
-    report = summary.ToText() + (command.clean ? ToText(refusals) : "");
+    report =
+        summary.ToText() + (edges ? ToText(*edges) : "") + (command.clean ? ToText(refusals) : "");
   }
   return PrintOut(report) ? kExitDone : kExitFailed;
 }

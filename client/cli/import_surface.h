@@ -1,4 +1,4 @@
-// `dynmesh import` of 3D input: surfaces, cleaned on request.
+// `dynmesh import` of 3D input: surfaces, cleaned on request, and made coarse where nearly flat.
 #ifndef DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
 #define DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
 
@@ -13,6 +13,8 @@ struct SurfaceImport {
   std::string input;
   std::string output;  // .poly, .smesh, .off or .dynmesh
   std::optional<double> tolerance;
+  std::optional<double> feature_angle;  // in degrees: only edges sharper than this are kept
+  std::optional<double> within;         // with feature_angle: how far the surface may move
   bool clean = false;
   bool json = false;
 };

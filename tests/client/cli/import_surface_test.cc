@@ -1,5 +1,12 @@
 // `dynmesh import` of surfaces.
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
@@ -84,6 +91,110 @@ TEST_F(ImportSurface, WhatAMeshStillRefusesIsCounted) {
             "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.01\n3 0 1 2\n3 0 1 3\n");
 }
 
+TEST_F(ImportSurface, OfNearlyFlatPatchesOnlyFeatureEdgesAreKept) {
+  // A cube of 8 x 8 squares a side; the lower half of its faces has the marker 5.
+  std::string points, faces, markers;
+  std::map<std::array<int, 3>, int> ids;
+  int polygons = 0;
+  const auto id = [&](const std::array<int, 3>& p) {
+    const auto [it, is_new] = ids.try_emplace(p, static_cast<int>(ids.size()) + 1);
+    if (is_new) {
+      points += "add point " + std::to_string(it->second);
+      for (const int x : p) points += " " + std::to_string(x);
+      points += "\n";
+    }
+    return std::to_string(it->second);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const int at : {0, 8}) {
+      for (int i = 0; i < 8; ++i) {
+        for (int j = 0; j < 8; ++j) {
+          const auto corner = [&](int a, int b) {
+            std::array<int, 3> p{};
+            p[axis] = at;
+            p[(axis + 1) % 3] = a;
+            p[(axis + 2) % 3] = b;
+            return p;
+          };
+          const std::string name = std::to_string(1000 + polygons++);
+          faces += "add polygon " + name;
+          bool is_low = true;
+          for (const auto& [a, b] : {std::pair(i, j), std::pair(i + 1, j), std::pair(i + 1, j + 1),
+                                     std::pair(i, j + 1)}) {
+            faces += " " + id(corner(a, b));
+            is_low = is_low && corner(a, b)[2] <= 4;
+          }
+          faces += "\n";
+          if (is_low) markers += "marker " + name + " 5\n";
+        }
+      }
+    }
+  }
+  folder_.Write("cube.dynmesh",
+                "mesh dim=3 box=-1,-1,-1,9,9,9\n" + points + faces + "commit\n" + markers);
+  const std::string command = "import cube.dynmesh --clean --feature-angle 30 ";
+  const Outcome outcome = Run(command + "--json -o out.smesh");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = Lines(outcome.out);
+  const std::string& summary = lines.back();
+  EXPECT_EQ(Value(summary, "polygons_read"), "384");
+  EXPECT_EQ(Value(summary, "polygons"), "20");  // two triangles for each half of a side
+  EXPECT_EQ(Value(summary, "points"), "12");
+  EXPECT_EQ(Value(summary, "point_dropped"), "374");
+  EXPECT_EQ(Value(summary, "feature_angle"), "30");
+  EXPECT_EQ(Value(summary, "sharp_edges"), "20");
+  EXPECT_EQ(Value(summary, "corners"), "12");
+  EXPECT_EQ(Value(summary, "refused"), "0");
+  EXPECT_EQ(Value(summary, "largest_step"), "0");
+  EXPECT_NEAR(std::stod(Value(summary, "within")), 0.008 * std::sqrt(3.0), 1e-6);
+  EXPECT_NE(lines[0].find("{\"change\": \"point dropped\", \"ids\": ["), std::string::npos);
+  // Half of the faces have the marker.
+  std::size_t marked = 0;
+  for (const std::string& line : Lines(folder_.Read("out.smesh"))) {
+    marked += line.starts_with("3 ") && line.ends_with(" 5") ? 1 : 0;
+  }
+  EXPECT_EQ(marked, 10U);
+  const Outcome text = Run(command + "--within 0.5 -o out.off");
+  ASSERT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("point dropped      374\n"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("sharp edges        20, sharper than 30 degrees\n"), std::string::npos);
+  EXPECT_NE(text.out.find("surface within     0.5\n"), std::string::npos);
+  ASSERT_EQ(Run("mesh out.off -o out.msh").code, 0);
+  const Outcome verdict = Run("verify out.msh --input out.off");
+  EXPECT_EQ(verdict.code, 0) << verdict.out << verdict.err;
+}
+
+TEST_F(ImportSurface, ACurvedSurfaceMadeCoarseMeshesWithFewerVertices) {
+  // A torus of 48 x 24 quadrangles, as triangles.
+  constexpr int kRound = 48, kTube = 24;
+  std::ostringstream off;
+  off.precision(17);
+  off << "OFF\n" << kRound * kTube << " " << 2 * kRound * kTube << " 0\n";
+  for (int i = 0; i < kRound; ++i) {
+    for (int j = 0; j < kTube; ++j) {
+      const double u = 2 * std::numbers::pi * i / kRound, v = 2 * std::numbers::pi * j / kTube;
+      const double r = 2 + std::cos(v);
+      off << r * std::cos(u) << " " << r * std::sin(u) << " " << std::sin(v) << "\n";
+    }
+  }
+  for (int i = 0; i < kRound; ++i) {
+    for (int j = 0; j < kTube; ++j) {
+      const auto at = [&](int a, int b) { return a % kRound * kTube + b % kTube; };
+      off << "3 " << at(i, j) << " " << at(i + 1, j) << " " << at(i + 1, j + 1) << "\n"
+          << "3 " << at(i, j) << " " << at(i + 1, j + 1) << " " << at(i, j + 1) << "\n";
+    }
+  }
+  folder_.Write("torus.off", off.str());
+  ASSERT_EQ(Run("import torus.off --clean --feature-angle 40 --within 0.08 -o coarse.off").code, 0);
+  const Outcome fine = Run("mesh --json torus.off");
+  const Outcome coarse = Run("mesh --json coarse.off -o coarse.msh");
+  ASSERT_EQ(fine.code, 0) << fine.err;
+  ASSERT_EQ(coarse.code, 0) << coarse.err;
+  EXPECT_LT(2 * std::stol(Value(coarse.out, "vertices")), std::stol(Value(fine.out, "vertices")));
+  const Outcome verdict = Run("verify coarse.msh --input coarse.off");
+  EXPECT_EQ(verdict.code, 0) << verdict.out << verdict.err;
+}
+
 TEST_F(ImportSurface, WithoutCleaningNothingChanges) {
   folder_.Write("a.off", "OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3\n3 0 1 4\n");
   ASSERT_EQ(Run("import a.off -o b.poly").code, 0);
@@ -102,6 +213,17 @@ TEST_F(ImportSurface, WhatCannotBeDoneIsNamed) {
   expect("-o b.stl", "neither a .poly, .smesh or .off nor a .dynmesh");
   expect("-o b.off --tolerance 1", "--tolerance needs --clean");
   expect("-o b.off --clean --tolerance 1e-15", "must be at least");
+  expect("-o b.off --feature-angle 30", "--feature-angle needs --clean");
+  expect("-o b.off --clean --within 1", "--within needs --feature-angle");
+  expect("-o b.off --clean --feature-angle 0", "must be from 0.1 to 89 degrees, found 0");
+  expect("-o b.off --clean --feature-angle 90", "must be from 0.1 to 89 degrees, found 90");
+  expect("-o b.off --clean --feature-angle 30 --within 0", "--within: it must be above 0, found 0");
+  expect("-o b.off --clean --feature-angle 30 --within inf", "--within: it must be");
+  folder_.Write("flat.poly", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n1 0\n1 1 2\n0\n");
+  const Outcome flat = Run("import flat.poly --clean --feature-angle 30 -o b.poly");
+  EXPECT_EQ(flat.code, 2);
+  EXPECT_NE(flat.err.find("--feature-angle is for surfaces; flat.poly is 2D"), std::string::npos)
+      << flat.err;
   expect("-o b.off --box 0,0,0,0.5,1,1", "is outside --box");
 }
 
