@@ -8,7 +8,7 @@
 namespace dynmesh::cleaning {
 namespace {
 
-// Larger holes get triangulations from a neighbor only.
+// Larger holes get triangulations from a neighbour only.
 constexpr std::size_t kMostCorners = 32;
 
 void AddEdges(const PatchFace& face, std::set<NodePair>& edges) {
@@ -46,7 +46,7 @@ void Collapses::DropAll(std::vector<Node>& dropped) {
 void Collapses::Offer(Node v) {
   if (mesh_.IsCorner(v)) return;
   if (const auto change = RemovalOf(v)) queue_.push({CostOf(*change), v, false, v});
-  for (const Node u : mesh_.NeighborsOf(v)) {
+  for (const Node u : mesh_.NeighboursOf(v)) {
     if (const auto change = FanOf(v, u)) queue_.push({CostOf(*change), v, true, u});
   }
 }
@@ -66,7 +66,7 @@ std::optional<PatchChange> Collapses::StarOf(Node v) const {
   change.old.assign(star.begin(), star.end());
   change.pivot = v;
   change.dropped = v;
-  const Nodes ends = mesh_.SharpNeighborsOf(v);
+  const Nodes ends = mesh_.SharpNeighboursOf(v);
   change.ends.assign(ends.begin(), ends.end());
   return change;
 }

@@ -2,9 +2,9 @@
 // long as all rules are kept. Corners and sharp edges stay.
 //
 // The hole that a point leaves gets the triangulation with the largest least angle; if that breaks
-// a rule, one of those from a single neighbor, which are edge collapses. First comes what makes the
-// smallest circumscribed circles. Then edges around the hole are flipped where that makes the least
-// angle of both faces larger.
+// a rule, one of those from a single neighbour, which are edge collapses. First comes what makes
+// the smallest circumscribed circles. Then edges around the hole are flipped where that makes the
+// least angle of both faces larger.
 //
 // The result is a function of coordinates. Thread-compatible. Expected O(n lg n) for n faces, if
 // patches shrink by a bounded factor as edges get longer.

@@ -68,7 +68,7 @@ void PatchMesh::FindSharp(const std::vector<NodePair>& kept, const DeviationLimi
   }
   for (Node v = 0; v < points_.size(); ++v) {
     if (is_corner_[v]) continue;
-    const Nodes sharp = SharpNeighborsOf(v);
+    const Nodes sharp = SharpNeighboursOf(v);
     is_corner_[v] = !IsRegular(v, sharp) ||
                     (sharp.size() == 2 && !limit.IsKept(UnitOf(Minus(at(v), at(sharp[0]))),
                                                         UnitOf(Minus(at(sharp[1]), at(v)))));
@@ -106,7 +106,7 @@ bool PatchMesh::IsRegular(Node v, const Nodes& sharp) const {
 }
 
 std::vector<Nodes> PatchMesh::HolesAt(Node v) const {
-  const Nodes sharp = SharpNeighborsOf(v);
+  const Nodes sharp = SharpNeighboursOf(v);
   std::vector<Nodes> holes;
   if (!sharp.empty()) {
     for (const std::uint32_t face : faces_at_[v]) {
@@ -114,7 +114,7 @@ std::vector<Nodes> PatchMesh::HolesAt(Node v) const {
     }
     return holes;
   }
-  const Node first = NeighborsOf(v).front();
+  const Node first = NeighboursOf(v).front();
   const Nodes apexes = ApexesOf(v, first);
   for (const std::uint32_t face : faces_at_[v]) {
     if (!faces_[face].Has(first) || !faces_[face].Has(apexes[0])) continue;
@@ -126,7 +126,7 @@ std::vector<Nodes> PatchMesh::HolesAt(Node v) const {
   return holes;
 }
 
-Nodes PatchMesh::NeighborsOf(Node v) const {
+Nodes PatchMesh::NeighboursOf(Node v) const {
   Nodes nodes;
   for (const std::uint32_t f : faces_at_[v]) {
     for (const Node n : faces_[f].v) {
@@ -136,8 +136,8 @@ Nodes PatchMesh::NeighborsOf(Node v) const {
   return nodes;
 }
 
-Nodes PatchMesh::SharpNeighborsOf(Node v) const {
-  Nodes nodes = NeighborsOf(v);
+Nodes PatchMesh::SharpNeighboursOf(Node v) const {
+  Nodes nodes = NeighboursOf(v);
   nodes.erase(std::remove_if(nodes.begin(), nodes.end(), [&](Node n) { return !IsSharp(v, n); }),
               nodes.end());
   return nodes;

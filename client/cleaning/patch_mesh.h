@@ -94,14 +94,14 @@ class PatchMesh {
     return UnitOf(Cross(Minus(at(edge.second), at(edge.first)), Minus(at(apex), at(edge.first))));
   }
   // Ascending.
-  Nodes NeighborsOf(Node v) const;
-  Nodes SharpNeighborsOf(Node v) const;
+  Nodes NeighboursOf(Node v) const;
+  Nodes SharpNeighboursOf(Node v) const;
   // The third corners of the faces at an edge.
   Nodes ApexesOf(Node a, Node b) const;
 
   // The boundaries of what is left when v's faces go, v no corner: a closed chain of nodes; at two
   // sharp edges one for each part between these, from the lesser end to the other one. The
-  // direction of the former is to the lesser neighbor of its first and least node.
+  // direction of the former is to the lesser neighbour of its first and least node.
   std::vector<Nodes> HolesAt(Node v) const;
 
   // Faces `old` go, but for those of `moved`, which become `now`.

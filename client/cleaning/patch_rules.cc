@@ -203,7 +203,7 @@ bool PatchRules::KeepsChain(const PatchChange& change) const {
   }
   for (const auto& [end, other] : {std::pair(u, w), std::pair(w, u)}) {
     if (mesh_.IsCorner(end)) continue;
-    for (const Node n : mesh_.SharpNeighborsOf(end)) {
+    for (const Node n : mesh_.SharpNeighboursOf(end)) {
       if (n != v && !angle_.IsKept(direction(n, end), direction(end, other))) return false;
     }
   }
