@@ -59,8 +59,6 @@ class Triangulator {
   const std::vector<std::array<Node, 3>>& inside() const { return inside_; }
 
  private:
-  static constexpr Vertex kFar = 3;  // vertices below surround all
-
   void Surround(const std::vector<Node>& nodes) {
     Point lo = ShadowOf(surface_.at(nodes.front()), axis_), hi = lo;
     for (const Node v : nodes) {
