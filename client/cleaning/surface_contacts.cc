@@ -281,6 +281,12 @@ class Search {
   std::vector<Shape> shapes_;
 };
 
+// From the least corner on, does the lesser of the others come first?
+bool IsEven(std::array<Node, 3> v) {
+  std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+  return v[1] < v[2];
+}
+
 }  // namespace
 
 FaceView ViewOf(const Surface& surface, const Simplex& face) {
@@ -288,9 +294,11 @@ FaceView ViewOf(const Surface& surface, const Simplex& face) {
   const Point3& a = surface.at(key[0]);
   const std::size_t axis =
       AxisOf(Cross(Minus(surface.at(key[1]), a), Minus(surface.at(key[2]), a)));
-  return {axis,
-          Orientation(ShadowOf(surface.at(face.v[0]), axis), ShadowOf(surface.at(face.v[1]), axis),
-                      ShadowOf(surface.at(face.v[2]), axis)) >= 0};
+  const int turn =
+      Orientation(ShadowOf(surface.at(key[0]), axis), ShadowOf(surface.at(key[1]), axis),
+                  ShadowOf(surface.at(key[2]), axis));
+  // Without area it goes round as its nodes do, so that its orientation does not matter.
+  return {axis, IsEven(face.v) == (turn >= 0)};
 }
 
 bool IsOver(const Surface& surface, const Simplex& face, const Point3& p) {

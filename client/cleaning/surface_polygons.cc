@@ -59,8 +59,6 @@ class Triangulator {
   const std::vector<std::array<Node, 3>>& inside() const { return inside_; }
 
  private:
-  static constexpr Vertex kFar = 3;  // vertices below surround all
-
   void Surround(const std::vector<Node>& nodes) {
     Point lo = ShadowOf(surface_.at(nodes.front()), axis_), hi = lo;
     for (const Node v : nodes) {
@@ -160,8 +158,10 @@ PolygonPieces PiecesOf(const Surface& surface, const std::vector<NodeRing>& ring
   const double length = std::sqrt(Dot(normal, normal));
   pieces.is_flat = length > 0;
   for (const NodePair& e : edges) {
-    const Point3 d = Minus(surface.at(e.first), surface.at(largest->front()));
-    if (!(std::abs(Dot(normal, d)) <= flat * length)) pieces.is_flat = false;
+    for (const Node v : {e.first, e.second}) {
+      const Point3 d = Minus(surface.at(v), surface.at(largest->front()));
+      if (!(std::abs(Dot(normal, d)) <= flat * length)) pieces.is_flat = false;
+    }
   }
   const std::size_t axis = AxisOf(normal);
   Triangulator plane(surface, axis);

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <utility>
 
+#include "absl/strings/str_format.h"
 #include "client/cli/sizes_of_limits.h"
 #include "core/base/rings.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
 #include "core/io/common/extension.h"
-#include "core/io/elements/element_mesh.h"
 #include "core/io/maps/map_files.h"
 #include "core/io/plane/planar_input.h"
 #include "core/io/script/edit_script.h"
@@ -90,7 +90,8 @@ void DivideByMarkers(const io::FeatureLabels& labels, std::vector<Feature>& feat
 }
 
 // Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
-absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
+absl::Status Merge(const std::string& path, const InputFlags& flags,
+                   const std::function<std::string(FeatureId)>& where, Input& input) {
   const double limit = plc::CloseLimit(input.options);
   FeatureId last = 0;
   for (const Feature& f : input.features) last = std::max(last, f.id);
@@ -98,10 +99,7 @@ absl::Status Merge(const std::string& path, const InputFlags& flags, Input& inpu
   absl::StatusOr<coplanar::MergedFaces> merged = coplanar::MergeCoplanar(
       input.features, flags.coplanar_tolerance,
       [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
-  if (!merged.ok()) {
-    return absl::Status(merged.status().code(),
-                        Concat(path, ": ", text::View(merged.status().message())));
-  }
+  if (!merged.ok()) return Locate(merged.status(), where);
   if (merged->too_thick != 0) {
     input.warnings.push_back(Concat(path, ": ", merged->too_thick,
                                     " part(s) within the tolerance of a plane not joined: a mesh "
@@ -127,7 +125,8 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   TakeLabels(file, input);
   if (flags.merge_coplanar) {
     input.features = std::move(file.features);
-    if (auto s = Merge(path, flags, input); !s.ok()) return s;
+    const auto where = [&](FeatureId id) { return file.Where(id); };
+    if (auto s = Merge(path, flags, where, input); !s.ok()) return s;
     file.features = std::move(input.features);
   }
   input.holes = std::move(file.holes);
@@ -208,7 +207,7 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
   };
   if (!flags.merge_coplanar) return input;
   if (input.options.dimension == 2) return RefuseMerge(path);
-  if (auto s = Merge(path, flags, input); !s.ok()) return s;
+  if (auto s = Merge(path, flags, input.where, input); !s.ok()) return s;
   return input;
 }
 
@@ -239,19 +238,10 @@ void AddLimits(const io::ElementMesh& mesh, io::FileFeatures& file) {
   }
 }
 
-absl::StatusOr<Input> FromElements(const std::string& path, InputFlags flags) {
+absl::StatusOr<Input> FromElements(const std::string& path, const InputFlags& flags) {
   const absl::StatusOr<io::ElementMesh> mesh = io::ReadElements(path);
   if (!mesh.ok()) return mesh.status();
-  io::FileFeatures file = io::FeaturesOf(
-      *mesh, flags.refine ? io::ElementVertices::kAll : io::ElementVertices::kOfConstraints);
-  if (flags.refine) AddLimits(*mesh, file);
-  if (mesh->dimension == 2) {
-    if (flags.merge_coplanar) return RefuseMerge(path);
-    return FromPlanar(std::move(file), path);
-  }
-  // Faces cut into triangles have angles that are no input of a mesh.
-  flags.merge_coplanar |= flags.refine;
-  return FromSpace(std::move(file), path, flags);
+  return InputOfElements(*mesh, path, flags);
 }
 
 bool IsMap(const std::string& path) {
@@ -353,6 +343,20 @@ absl::StatusOr<std::optional<Input>> LoadGeometry(const std::string& path,
 }
 
 }  // namespace
+
+absl::StatusOr<Input> InputOfElements(const io::ElementMesh& mesh, const std::string& path,
+                                      InputFlags flags) {
+  io::FileFeatures file = io::FeaturesOf(
+      mesh, flags.refine ? io::ElementVertices::kAll : io::ElementVertices::kOfConstraints);
+  if (flags.refine) AddLimits(mesh, file);
+  if (mesh.dimension == 2) {
+    if (flags.merge_coplanar) return RefuseMerge(path);
+    return FromPlanar(std::move(file), path);
+  }
+  // Faces cut into triangles have angles that are no input of a mesh.
+  flags.merge_coplanar |= flags.refine;
+  return FromSpace(std::move(file), path, flags);
+}
 
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   absl::StatusOr<std::optional<Input>> geometry = LoadGeometry(path, flags);

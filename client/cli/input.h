@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/common/file_features.h"
+#include "core/io/elements/element_mesh.h"
 #include "core/io/space/face_rules.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
@@ -64,6 +65,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
 // dimension than that.
 absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path, int dimension,
                                       const InputFlags& flags = {});
+
+// The input that LoadInput makes of a mesh with this path.
+absl::StatusOr<Input> InputOfElements(const io::ElementMesh& mesh, const std::string& path,
+                                      InputFlags flags);
 
 // Appends a polygon for each hole, then for each region: the face of the segments that contains its
 // seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is

@@ -22,7 +22,8 @@ inline double TargetOfArea(double area) {
 }
 inline double TargetOfVolume(double volume) { return kBelowLimit * std::cbrt(3 * volume); }
 
-// The ball that touches the sides of a tetrahedron. Its radius is 0 if the tetrahedron is flat.
+// The ball that touches the sides of a tetrahedron. Its radius is 0 if the tetrahedron is flat, and
+// it is at a corner if that lies on a line.
 struct InscribedBall {
   std::array<double, 3> centre;
   double radius;
@@ -39,6 +40,7 @@ inline InscribedBall InscribedBallOf(const transfer::Corners<3>& p) {
     areas += area;
     for (std::size_t d = 0; d < 3; ++d) ball.centre[d] += area * p[k][d];
   }
+  if (areas == 0) return {p[0], 0};
   for (double& c : ball.centre) c /= areas;
   ball.radius = std::abs(transfer::ScaledMeasure(p)) / areas;
   return ball;

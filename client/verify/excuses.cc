@@ -141,6 +141,7 @@ bool Excuses::IsNarrow(std::uint32_t way, const io::IndexedMesh::Face& face,
     if (v == way) return false;  // it is a side
     if (v != corner) sides.push_back(to(v));
   }
+  if (sides.size() != 2) return false;  // a corner stands twice
   // The foot of d is x u + y w.
   const Vector d = to(way), &u = sides[0], &w = sides[1];
   const Real c = dot(u, w), det = 1 - c * c;

@@ -146,7 +146,8 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
     if (used[v]) vertices.Add(v, mesh.vertices[v].position(), mesh.vertices[v].position());
   }
   for (std::uint32_t i = 0; i < simplices.size(); ++i) {
-    const auto [lo, hi] = BoxOf(mesh, simplices[i]);
+    const auto box = BoxOf(mesh, simplices[i]);
+    const auto &lo = box.first, &hi = box.second;
     vertices.ForEach(lo, hi, [&](std::uint32_t v) {
       const Position p = mesh.vertices[v].position();
       for (std::size_t k = 0; k + 1 < N; ++k) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/rings.h"
@@ -13,6 +14,7 @@
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/straight_corners.h"
 #include "core/geometry/point.h"
+#include "dynmesh/error.h"
 
 namespace dynmesh::coplanar {
 
@@ -21,8 +23,11 @@ using text::Concat;
 
 namespace {
 
-absl::Status Refuse(FeatureId polygon, const std::string& why) {
-  return absl::InvalidArgumentError(Concat("polygon ", polygon, " ", why));
+absl::Status Refuse(FeatureId polygon, const std::string& why,
+                    const char* reason = reason::kBadPolygon, std::vector<FeatureId> blamed = {}) {
+  blamed.push_back(polygon);
+  return MakeError(absl::StatusCode::kInvalidArgument, Concat("polygon ", polygon, " ", why),
+                   {reason, std::move(blamed), std::nullopt});
 }
 
 class Merger {
@@ -99,11 +104,14 @@ class Merger {
       for (const FeatureId id : ids) {
         const auto it = corner_.find(id);
         if (it == corner_.end()) {
-          return Refuse(polygon.id, Concat("has the corner ", id, ", which is no point; add it"));
+          return Refuse(polygon.id, Concat("has the corner ", id, ", which is no point; add it"),
+                        reason::kUnknownEnd);
         }
         if (!IsInDomain(positions_[it->second].c)) {
-          return Refuse(polygon.id, Concat("has the corner ", id, ", which has a coordinate above ",
-                                           "2^200 or nearer to 0 than 2^-200; scale the input"));
+          return Refuse(polygon.id,
+                        Concat("has the corner ", id, ", which has a coordinate above 2^200 or ",
+                               "nearer to 0 than 2^-200; scale the input"),
+                        reason::kTooClose, {id});
         }
         ring.push_back(it->second);
       }

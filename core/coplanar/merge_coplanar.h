@@ -39,7 +39,8 @@ namespace dynmesh::coplanar {
 
 // Features keep their order. INVALID_ARGUMENT if a polygon has a ring of fewer than three corners,
 // or a corner that is no point of `features` or invalid for the predicates (above 2^200, nearer to
-// 0 than 2^-200); or if the tolerance is negative or NaN.
+// 0 than 2^-200): the detail (dynmesh/error.h) has what is to blame. Or if the tolerance is below 0
+// or NaN.
 absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
                                                    double tolerance = 0);
 

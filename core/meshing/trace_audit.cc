@@ -20,7 +20,7 @@ template <int D>
 std::vector<std::array<std::uint32_t, D>> StarIn(std::span<const std::uint32_t> words) {
   std::vector<std::array<std::uint32_t, D>> star;
   const bool has_corners = ForEachCornerIn<D>(words, [&](auto ids) {
-    if (D == 3) std::ranges::rotate(ids, std::ranges::min_element(ids));
+    if (D == 3) std::rotate(ids.begin(), std::ranges::min_element(ids), ids.end());
     star.push_back(ids);
     return true;
   });

@@ -89,7 +89,7 @@ double CoordinateUnit(std::span<const double> coordinates) {
 }
 
 double QualitySlack(double shortest_edge, double unit) {
-  if (!(shortest_edge > 0)) return 0;
+  if (!(shortest_edge > 0) || std::isinf(shortest_edge)) return 0;
   // 2^k <= e^2 < 2^(k+1) with e = m 2^j, 1 <= m < 2: k is 2j or 2j + 1. Decided by m, since e^2 may
   // underflow.
   const int j = std::ilogb(shortest_edge);

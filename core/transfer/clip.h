@@ -126,12 +126,12 @@ template <>
 class Clipped<3> {
  public:
   explicit Clipped(const ClipValues<3>& values)
-      : edges_{{{1, 2, 0, 3},
-                {2, 3, 0, 1},
-                {3, 1, 0, 2},
-                {0, 3, 1, 2},
-                {2, 0, 1, 3},
-                {0, 1, 2, 3}}},
+      : edges_{{{{1, 2}, 0, 3},
+                {{2, 3}, 0, 1},
+                {{3, 1}, 0, 2},
+                {{0, 3}, 1, 2},
+                {{2, 0}, 1, 3},
+                {{0, 1}, 2, 3}}},
         edge_count_(6),
         face_count_(4),
         count_(4),

@@ -33,6 +33,9 @@ constexpr Target kTargets[] = {
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif
+#ifdef DYNMESH_FUZZ_MESH_INPUT
+    {"mesh_input", &FuzzMeshInput},
+#endif
 #ifdef DYNMESH_FUZZ_WIRE
     {"requests", &FuzzRequests},
     {"answers", &FuzzAnswers},

@@ -38,6 +38,10 @@ std::string FuzzSizes(std::string_view bytes);
 // conversion, measuring and the verifier must succeed.
 std::string FuzzMeshFiles(std::string_view bytes);
 
+// A mesh to be refined: the same four files, then the .area (3D: .vol) and the .poly; an empty one
+// is not there. If it parses, it must become features with places, and mesh or be refused at one.
+std::string FuzzMeshInput(std::string_view bytes);
+
 // Batches of edits, packed (batches.h), in 2D and in 3D. A refused one must change nothing; after
 // the others mesh and trace must equal those of a run from scratch.
 std::string FuzzBatches(std::string_view bytes);

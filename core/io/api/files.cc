@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
@@ -93,8 +94,10 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar
   if (merge_coplanar && dimension == 3) {
     absl::StatusOr<std::vector<Feature>> merged = coplanar::MergeCoplanar(input.features);
     if (!merged.ok()) {
+      const std::optional<ErrorDetail> detail = GetErrorDetail(merged.status());
+      const std::string where = detail ? input.places[detail->features[0]] : path;
       return absl::Status(merged.status().code(),
-                          Concat(path, ": ", text::View(merged.status().message())));
+                          Concat(where, ": ", text::View(merged.status().message())));
     }
     input.features = *std::move(merged);
   }

@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
+#include "core/io/common/node_input.h"
 #include "core/io/common/triangle_sections.h"
 #include "core/io/elements/element_mesh.h"
 #include "core/io/meshes/mesh_files.h"
@@ -16,8 +17,9 @@ namespace {
 
 using text::Concat;
 
-absl::StatusOr<std::optional<TextReader>> OpenIfThere(const std::string& path) {
-  absl::StatusOr<TextReader> file = TextReader::Open(path);
+absl::StatusOr<std::optional<TextReader>> OpenIfThere(const OpenFile& open,
+                                                      const std::string& path) {
+  absl::StatusOr<TextReader> file = open(path);
   if (file.ok()) return std::optional<TextReader>(*std::move(file));
   if (absl::IsNotFound(file.status())) return std::optional<TextReader>();
   return file.status();
@@ -79,6 +81,30 @@ absl::Status AddRows(TextReader& reader, const char* what, const NodeSection& no
   return absl::OkStatus();
 }
 
+// Vertices of the .poly are those with which the .node begins, or there are none.
+absl::Status CheckOwnVertices(const TextReader& poly, const NodeSection& own,
+                              const NodeSection& nodes, const ElementMesh& mesh) {
+  for (std::size_t i = 0; i < own.positions.size(); ++i) {
+    const bool is_there = own.base == nodes.base && i < nodes.positions.size();
+    if (is_there && own.positions[i] == nodes.positions[i]) continue;
+    return TextReader::ErrorAt(poly.name(), own.lines[i],
+                               Concat("vertex ", own.base + i, " is not that of ", mesh.file,
+                                      ": it is no .poly of this mesh"));
+  }
+  return absl::OkStatus();
+}
+
+// The segments of a .poly. Its holes and regions are known from the triangles.
+absl::Status AddPoly(TextReader& poly, const NodeSection& nodes, ElementMesh& mesh) {
+  const absl::StatusOr<NodeSection> own = ReadNodeSection(poly, 2);
+  if (!own.ok()) return own.status();
+  if (auto s = CheckOwnVertices(poly, *own, nodes, mesh); !s.ok()) return s;
+  if (auto s = AddRows<2>(poly, "segment", nodes, true, mesh.segments); !s.ok()) return s;
+  mesh.segment_file = poly.name();
+  FileFeatures ignored;
+  return ReadSeedSections(poly, 2, ignored);
+}
+
 // "count", then "number limit" for each simplex.
 absl::Status ReadLimits(TextReader& reader, std::size_t simplices, ElementMesh& mesh) {
   if (!reader.Next()) return reader.Error("the file has no header");
@@ -117,14 +143,16 @@ void AddMarkersOfVertices(const NodeSection& nodes, ElementMesh& mesh) {
   }
 }
 
-absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path) {
+}  // namespace
+
+absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path, const OpenFile& open) {
   const std::string stem = StemOfMeshFiles(path);
-  absl::StatusOr<TextReader> nodes = TextReader::Open(stem + ".node");
+  absl::StatusOr<TextReader> nodes = open(stem + ".node");
   if (!nodes.ok()) return nodes.status();
   absl::StatusOr<NodeSection> section = ReadNodeSection(*nodes, kStatedDimension);
   if (!section.ok()) return section.status();
   if (auto s = ExpectEnd(*nodes); !s.ok()) return s;
-  absl::StatusOr<TextReader> simplices = TextReader::Open(stem + ".ele");
+  absl::StatusOr<TextReader> simplices = open(stem + ".ele");
   if (!simplices.ok()) return simplices.status();
   ElementMesh mesh;
   mesh.file = stem + ".node";
@@ -140,31 +168,31 @@ absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path) {
     return s;
   }
   // A .poly has the segments; TetGen's are in .edge, its faces in .face.
-  absl::StatusOr<std::optional<TextReader>> poly = OpenIfThere(in_space ? "" : stem + ".poly");
+  absl::StatusOr<std::optional<TextReader>> poly =
+      OpenIfThere(open, in_space ? "" : stem + ".poly");
   if (!poly.ok()) return poly.status();
   if (*poly) {
-    const absl::StatusOr<NodeSection> own = ReadNodeSection(**poly, 2);
-    if (!own.ok()) return own.status();
-    if (auto s = AddRows<2>(**poly, "segment", *section, true, mesh.segments); !s.ok()) return s;
-    mesh.segment_file = (*poly)->name();
+    if (auto s = AddPoly(**poly, *section, mesh); !s.ok()) return s;
   } else {
-    absl::StatusOr<std::optional<TextReader>> edges = OpenIfThere(stem + ".edge");
+    absl::StatusOr<std::optional<TextReader>> edges = OpenIfThere(open, stem + ".edge");
     if (!edges.ok()) return edges.status();
     if (*edges) {
       if (auto s = AddRows<2>(**edges, "edge", *section, false, mesh.segments); !s.ok()) return s;
+      if (auto s = ExpectEnd(**edges); !s.ok()) return s;
       mesh.segment_file = (*edges)->name();
     }
   }
   if (in_space) {
-    absl::StatusOr<std::optional<TextReader>> faces = OpenIfThere(stem + ".face");
+    absl::StatusOr<std::optional<TextReader>> faces = OpenIfThere(open, stem + ".face");
     if (!faces.ok()) return faces.status();
     if (*faces) {
       if (auto s = AddRows<3>(**faces, "face", *section, false, mesh.triangles); !s.ok()) return s;
+      if (auto s = ExpectEnd(**faces); !s.ok()) return s;
       mesh.triangle_file = (*faces)->name();
     }
   }
   absl::StatusOr<std::optional<TextReader>> limits =
-      OpenIfThere(stem + (in_space ? ".vol" : ".area"));
+      OpenIfThere(open, stem + (in_space ? ".vol" : ".area"));
   if (!limits.ok()) return limits.status();
   if (*limits) {
     const std::size_t count = in_space ? mesh.tetrahedra.size() : mesh.triangles.size();
@@ -174,15 +202,13 @@ absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path) {
   return mesh;
 }
 
-}  // namespace
-
 bool IsElementFile(const std::string& path) {
   const std::string extension = ExtensionOf(path);
   return extension == ".msh" || extension == ".mesh" || extension == ".vtu";
 }
 
 absl::StatusOr<ElementMesh> ReadElements(const std::string& path) {
-  if (!IsElementFile(path)) return ReadTriangleFiles(path);
+  if (!IsElementFile(path)) return ReadTriangleFiles(path, &TextReader::Open);
   const std::string extension = ExtensionOf(path);
   if (extension == ".vtu") {
     const absl::StatusOr<std::string> text = ReadWholeFile(path);

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -68,6 +69,12 @@ bool IsElementFile(const std::string& path);
 absl::StatusOr<ElementMesh> ParseMsh(TextReader reader);
 absl::StatusOr<ElementMesh> ParseMedit(TextReader reader);
 absl::StatusOr<ElementMesh> ParseVtu(const std::string& name, const std::string& text);
+
+// Opens a file by its path; NOT_FOUND if there is none.
+using OpenFile = std::function<absl::StatusOr<TextReader>(const std::string& path)>;
+// The mesh of Triangle or TetGen of which `path` is a file: .node, .ele, and if they are there
+// .poly (2D), else .edge, .face (3D), .area or .vol.
+absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path, const OpenFile& open);
 
 // Which vertices become points.
 enum class ElementVertices : std::uint8_t {

@@ -147,6 +147,29 @@ TEST_F(Refine, NamesTheFileOfWhatIsWrong) {
   }
 }
 
+TEST_F(Refine, NamesTheFileOfWhatIsWrongInSpace) {
+  const struct {
+    std::string file, text, message;
+  } bad[] = {
+      {"node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1e300\n", "m.node:5: polygon "},
+      {"node", "4 3\n1 0 0 0\n2 1e-100 0 0\n3 0 1 0\n4 0 0 1\n", "m.node:3: polygon "},
+      {"node", "4 3\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 3 0 0\n", "m.ele:2: the edge of polygon "},
+      {"vol", "1\n1 1e-300\n", "m.vol:2: "},
+      {"face", "1 1\n1 1 2 3 5\n2 2 3 4 5\n", "m.face:3: more values"},
+  };
+  for (const auto& [file, text, message] : bad) {
+    folder_.Write("m.node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
+    folder_.Write("m.ele", "1 4\n1 1 2 3 4\n");
+    folder_.Write("m.face", "0 1\n");
+    folder_.Write("m.vol", "1\n1 1\n");
+    folder_.Write("m." + file, text);
+    const Outcome refused = Run("mesh m.node -r");
+    EXPECT_EQ(refused.code, 2) << message;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find("nan"), std::string::npos) << refused.err;
+  }
+}
+
 TEST_F(Refine, TakesMeshesOfSpace) {
   folder_.Write("c.off",
                 "OFF\n8 12 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"

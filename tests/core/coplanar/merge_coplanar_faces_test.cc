@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/coplanar/merge_coplanar.h"
+#include "dynmesh/error.h"
 #include "tests/core/coplanar/face_soup.h"
 #include "tests/core/coplanar/merge_coplanar_util.h"
 
@@ -216,8 +217,10 @@ TEST(MergeCoplanar, WhatCannotBeComputedWithIsRefused) {
   EXPECT_EQ(refused(f),
             "polygon 4 has the corner 3, which has a coordinate above 2^200 or nearer to 0 than "
             "2^-200; scale the input");
+  EXPECT_EQ(GetErrorDetail(MergeCoplanar(f).status())->features, (std::vector<FeatureId>{3, 4}));
   f.back() = Feature::Polygon(4, {{1, 2, 9}});
   EXPECT_EQ(refused(f), "polygon 4 has the corner 9, which is no point; add it");
+  EXPECT_EQ(GetErrorDetail(MergeCoplanar(f).status())->features, std::vector<FeatureId>{4});
   f.back() = Feature::Polygon(4, {{1, 2}});
   EXPECT_EQ(refused(f), "polygon 4 has a ring of fewer than 3 corners");
   f.back() = Feature::Polygon(4, {});

@@ -1,5 +1,6 @@
 // Readers of .msh, .mesh, .vtu and the files of Triangle and TetGen.
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -126,6 +127,66 @@ TEST(ElementFiles, SayWhereAndWhatIsWrong) {
     const std::string said(mesh.status().message());
     EXPECT_NE(said.find(message), std::string::npos) << said;
     EXPECT_TRUE(said.starts_with("a." + kind + ":" + std::to_string(line) + ": ")) << said;
+  }
+}
+
+// Of Triangle and TetGen, from memory.
+using Parts = std::map<std::string, std::string>;
+absl::StatusOr<ElementMesh> ReadParts(const Parts& parts) {
+  return ReadTriangleFiles("a.ele", [&](const std::string& path) -> absl::StatusOr<TextReader> {
+    const auto part = parts.find(path);
+    if (part == parts.end()) return absl::NotFoundError(path + ": no such file");
+    return TextReader(path, part->second);
+  });
+}
+
+const Parts kPlane = {{"a.node", "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n"},
+                      {"a.ele", "2 3 0\n1 1 2 3\n2 1 3 4\n"}};
+const Parts kSpace = {{"a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n"},
+                      {"a.ele", "1 4 0\n0 0 1 2 3\n"}};
+
+TEST(ElementFiles, OfTriangleSayWhereAndWhatIsWrong) {
+  const struct {
+    Parts others;
+    std::string file, text, message;
+  } bad[] = {
+      {kPlane, "a.ele", "1 3 0\n1 1 2 2\n", ":2: an element has vertex 2 twice"},
+      {kPlane, "a.ele", "1 3 0\n1 1 2 3\n2 1 3 4\n", ":3: more values after the last row"},
+      {kPlane, "a.edge", "1 1\n1 1 2 5\n2 2 3 5\n", ":3: more values after the last row"},
+      {kPlane, "a.edge", "1 1\n1 1 1 5\n", ":2: an element has vertex 1 twice"},
+      {kPlane, "a.area", "1\n1 .5\n", ":1: limits of 1 elements, the .ele has 2"},
+      {kPlane, "a.area", "2\n1 .5\n", ":2: the file ends after 1 limits"},
+      {kPlane, "a.area", "2\n1 .5\n2 1\n3 1\n", ":4: more values after the last row"},
+      {kPlane, "a.poly", "0 2\n1 0\n1 1 5\n0\n", ":3: "},
+      {kPlane, "a.poly", "0 2\n1 0\n1 1 2\n1\n1 x .5\n", ":5: "},
+      {kPlane, "a.poly", "0 2\n1 0\n1 1 2\n0\n0\n7\n", ":6: more values after the last row"},
+      {kPlane, "a.poly", "2 2\n1 0 0\n2 0 1\n1 0\n1 1 2\n0\n",
+       ":3: vertex 2 is not that of a.node"},
+      {kPlane, "a.poly", "1 2\n0 0 0\n1 0\n0 0 0\n0\n", ":2: vertex 0 is not that of a.node"},
+      {kSpace, "a.face", "1 1\n0 0 1 2 5\n1 1 2 3 5\n", ":3: more values after the last row"},
+      {kSpace, "a.edge", "1 1\n0 0 1 5\n1 1 2 5\n", ":3: more values after the last row"},
+      {kSpace, "a.vol", "1\n0 x\n", ":2: "},
+  };
+  for (const auto& [others, file, text, message] : bad) {
+    Parts parts = others;
+    parts[file] = text;
+    const auto mesh = ReadParts(parts);
+    ASSERT_FALSE(mesh.ok()) << file << message;
+    EXPECT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument);
+    const std::string said(mesh.status().message());
+    EXPECT_TRUE(said.starts_with(file + message)) << said;
+  }
+}
+
+TEST(ElementFiles, APolyBesideAMeshMayHaveItsFirstVertices) {
+  for (const std::string own : {"0 2\n", "2 2\n1 0 0\n2 1 0\n"}) {
+    Parts parts = kPlane;
+    parts["a.poly"] = own + "2 1\n1 1 2 5\n2 1 3 0\n1\n1 .5 .2\n";
+    const auto mesh = ReadParts(parts);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    ASSERT_EQ(mesh->segments.size(), 2U);
+    EXPECT_EQ(mesh->segments[0].marker, 5);
+    EXPECT_EQ(mesh->segment_file, "a.poly");
   }
 }
 
