@@ -22,6 +22,7 @@
 #include "core/mesh_data/chambers.h"
 #include "core/mesh_data/feature_set.h"
 #include "core/mesh_data/region_filter.h"
+#include "dynmesh/error.h"
 
 namespace dynmesh {
 namespace {
