@@ -11,10 +11,6 @@ namespace {
 // Larger holes get triangulations from a neighbour only.
 constexpr std::size_t kMostCorners = 32;
 
-void AddEdges(const PatchFace& face, std::set<NodePair>& edges) {
-  for (std::size_t i = 0; i < 3; ++i) edges.insert(Ordered(face.v[i], face.v[(i + 1) % 3]));
-}
-
 }  // namespace
 
 std::vector<Node> Collapses::Run() {
@@ -38,8 +34,8 @@ void Collapses::DropAll(std::vector<Node>& dropped) {
     dropped.push_back(next.v);
     std::set<Node> near;
     for (const PatchFace& face : change->now) near.insert(face.v.begin(), face.v.end());
+    FlipEdges(change->now, near);
     for (const Node n : near) Offer(n);
-    FlipEdges(change->now);
   }
 }
 
@@ -140,17 +136,18 @@ bool Collapses::Fill(const Nodes& hole, Node v, PatchChange& change) const {
   return true;
 }
 
-void Collapses::FlipEdges(const std::vector<PatchFace>& faces) {
+void Collapses::FlipEdges(const std::vector<PatchFace>& faces, std::set<Node>& near) {
   std::set<NodePair> edges;
-  for (const PatchFace& face : faces) AddEdges(face, edges);
+  const auto add = [&](NodePair edge, Node) { edges.insert(edge); };
+  for (const PatchFace& face : faces) VisitEdges(face, add);
   // It ends: each flip makes the list of all faces' least angles, in ascending order, larger.
   while (!edges.empty()) {
     const NodePair edge = edges.extract(edges.begin()).value();
     const auto change = FlipOf(edge);
     if (!change || !rules_.Try(*change)) continue;
     for (const PatchFace& face : change->now) {
-      AddEdges(face, edges);
-      for (const Node n : face.v) Offer(n);
+      VisitEdges(face, add);
+      near.insert(face.v.begin(), face.v.end());
     }
   }
 }

@@ -52,7 +52,8 @@ class Collapses {
   std::optional<PatchChange> FlipOf(NodePair edge) const;
   // Adds the triangulation of a hole.
   bool Fill(const Nodes& hole, Node v, PatchChange& change) const;
-  void FlipEdges(const std::vector<PatchFace>& faces);
+  // Adds the corners of new faces to `near`.
+  void FlipEdges(const std::vector<PatchFace>& faces, std::set<Node>& near);
 
   const PatchMesh& mesh_;
   PatchRules& rules_;

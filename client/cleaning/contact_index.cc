@@ -4,51 +4,29 @@
 #include <CGAL/intersections.h>
 
 #include <algorithm>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
 #include <limits>
 #include <utility>
 
+#include "client/cleaning/box_tree.h"
 #include "client/cleaning/patch_distance.h"
 #include "client/cleaning/vectors3.h"
 
 namespace dynmesh::cleaning {
 namespace {
 
-namespace bg = boost::geometry;
+namespace index = boost::geometry::index;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using BoxCorner = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<BoxCorner>;
-using Entry = std::pair<Box, std::uint32_t>;
 
 Kernel::Point_3 Exact(const Point3& p) { return {p[0], p[1], p[2]}; }
 
-struct Bounds {
-  Point3 lo, hi;
-};
-
-Bounds BoundsOf(std::span<const Point3> points, const ContactElement& element) {
-  Bounds b = {points[element.v[0]], points[element.v[0]]};
-  for (int i = 1; i < element.size; ++i) {
-    const Point3& p = points[element.v[static_cast<std::size_t>(i)]];
-    for (std::size_t k = 0; k < 3; ++k) {
-      b.lo[k] = std::min(b.lo[k], p[k]);
-      b.hi[k] = std::max(b.hi[k], p[k]);
-    }
-  }
-  return b;
+Box3 BoxOf(std::span<const Point3> points, std::span<const Node> corners) {
+  const Point3& first = points[corners[0]];
+  Box3 box = {first, first};
+  for (const Node n : corners) box.Add({points[n], points[n]});
+  return box;
 }
-
-Box BoxOf(const Bounds& b, double reach) {
-  return {BoxCorner(b.lo[0] - reach, b.lo[1] - reach, b.lo[2] - reach),
-          BoxCorner(b.hi[0] + reach, b.hi[1] + reach, b.hi[2] + reach)};
-}
-
-bool BoxesMeet(const Bounds& a, const Bounds& b, double reach) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (a.lo[k] - reach > b.hi[k] || b.lo[k] - reach > a.hi[k]) return false;
-  }
-  return true;
+Box3 BoxOf(std::span<const Point3> points, const ContactElement& element) {
+  return BoxOf(points, std::span(element.v).first(static_cast<std::size_t>(element.size)));
 }
 
 // C. Ericson, Real-Time Collision Detection, 2005, 5.1.9. Ends may be equal.
@@ -143,7 +121,7 @@ bool HasContact(std::span<const Point3> points, const ContactElement& face,
 }
 
 struct ContactIndex::Tree {
-  bg::index::rtree<Entry, bg::index::quadratic<16>> entries;
+  BoxTree entries;
 };
 
 ContactIndex::ContactIndex(std::span<const Point3> points, double distance)
@@ -154,33 +132,27 @@ ContactIndex::~ContactIndex() = default;
 void ContactIndex::Insert(std::uint32_t id, const ContactElement& element) {
   if (id >= elements_.size()) elements_.resize(id + 1);
   elements_[id] = element;
-  tree_->entries.insert({BoxOf(BoundsOf(points_, element), 0), id});
+  tree_->entries.insert({TreeBoxOf(BoxOf(points_, element)), id});
 }
 
 void ContactIndex::Remove(std::uint32_t id, const ContactElement& element) {
-  tree_->entries.remove({BoxOf(BoundsOf(points_, element), 0), id});
+  tree_->entries.remove({TreeBoxOf(BoxOf(points_, element)), id});
 }
 
 bool ContactIndex::HasContacts(std::span<const ContactElement> faces,
                                absl::FunctionRef<bool(std::uint32_t)> is_left_out) const {
   if (faces.empty()) return false;
-  std::vector<Bounds> bounds;
-  bounds.reserve(faces.size());
-  Bounds all = BoundsOf(points_, faces[0]);
-  for (const ContactElement& face : faces) {
-    const Bounds& b = bounds.emplace_back(BoundsOf(points_, face));
-    for (std::size_t k = 0; k < 3; ++k) {
-      all.lo[k] = std::min(all.lo[k], b.lo[k]);
-      all.hi[k] = std::max(all.hi[k], b.hi[k]);
-    }
-  }
-  for (auto it = tree_->entries.qbegin(bg::index::intersects(BoxOf(all, distance_)));
+  std::vector<Box3> boxes;
+  boxes.reserve(faces.size());
+  Box3 all = BoxOf(points_, faces[0]);
+  for (const ContactElement& face : faces) all.Add(boxes.emplace_back(BoxOf(points_, face)));
+  for (auto it = tree_->entries.qbegin(index::intersects(TreeBoxOf(all.Grown(distance_))));
        it != tree_->entries.qend(); ++it) {
     if (is_left_out(it->second)) continue;
     const ContactElement& other = elements_[it->second];
-    const Bounds b = BoundsOf(points_, other);
+    const Box3 box = BoxOf(points_, other);
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      if (BoxesMeet(bounds[i], b, distance_) && HasContact(points_, faces[i], other, distance_)) {
+      if (boxes[i].Meets(box, distance_) && HasContact(points_, faces[i], other, distance_)) {
         return true;
       }
     }
@@ -191,16 +163,9 @@ bool ContactIndex::HasContacts(std::span<const ContactElement> faces,
 bool ContactIndex::HasCornersIn(std::span<const std::array<Node, 4>> tetrahedra,
                                 absl::FunctionRef<bool(std::uint32_t)> is_left_out) const {
   for (const auto& tetrahedron : tetrahedra) {
+    const Box3 box = BoxOf(points_, tetrahedron);
     std::array<Kernel::Point_3, 4> corners;
-    Bounds box = {points_[tetrahedron[0]], points_[tetrahedron[0]]};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Point3& p = points_[tetrahedron[i]];
-      corners[i] = Exact(p);
-      for (std::size_t k = 0; k < 3; ++k) {
-        box.lo[k] = std::min(box.lo[k], p[k]);
-        box.hi[k] = std::max(box.hi[k], p[k]);
-      }
-    }
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = Exact(points_[tetrahedron[i]]);
     const auto side = [](const std::array<Kernel::Point_3, 4>& c) {
       return CGAL::orientation(c[0], c[1], c[2], c[3]);
     };
@@ -208,7 +173,7 @@ bool ContactIndex::HasCornersIn(std::span<const std::array<Node, 4>> tetrahedra,
     if (of_all == CGAL::ZERO) continue;
     const auto is_inside = [&](Node n) {
       const Point3& p = points_[n];
-      if (!BoxesMeet(box, {p, p}, 0)) return false;
+      if (!box.Meets({p, p})) return false;
       if (std::find(tetrahedron.begin(), tetrahedron.end(), n) != tetrahedron.end()) return false;
       for (std::size_t i = 0; i < 4; ++i) {
         auto with = corners;
@@ -217,7 +182,7 @@ bool ContactIndex::HasCornersIn(std::span<const std::array<Node, 4>> tetrahedra,
       }
       return true;
     };
-    for (auto it = tree_->entries.qbegin(bg::index::intersects(BoxOf(box, 0)));
+    for (auto it = tree_->entries.qbegin(index::intersects(TreeBoxOf(box)));
          it != tree_->entries.qend(); ++it) {
       if (is_left_out(it->second)) continue;
       const ContactElement& other = elements_[it->second];

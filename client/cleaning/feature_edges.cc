@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "client/cleaning/box3.h"
 #include "client/cleaning/collapses.h"
 #include "client/cleaning/contact_index.h"
 #include "client/cleaning/patch_mesh.h"
@@ -26,7 +28,8 @@ class Simplifier {
       : features_(features), options_(options), surface_(options.tolerance) {}
 
   FeatureEdgeResult Run() {
-    EnterNodes();
+    std::vector<Point3> points = EnterNodes();
+    const std::size_t count = points.size();
     std::vector<PatchFace> faces = Triangulate();
     std::vector<NodePair> segments;
     for (const Feature& f : features_) {
@@ -34,7 +37,7 @@ class Simplifier {
       segments.push_back(Ordered(node_of_.at(f.ends[0]), node_of_.at(f.ends[1])));
     }
     std::sort(segments.begin(), segments.end());
-    std::vector<bool> is_face_corner(points_.size(), false), is_used(points_.size(), false);
+    std::vector<bool> is_face_corner(count, false), is_used(count, false);
     for (const PatchFace& face : faces) {
       for (const Node v : face.v) is_face_corner[v] = is_used[v] = true;
     }
@@ -43,21 +46,20 @@ class Simplifier {
       obstacles.push_back({{e.first, e.second, 0}, 2});
       is_used[e.first] = is_used[e.second] = true;
     }
-    for (Node v = 0; v < points_.size(); ++v) {
+    for (Node v = 0; v < count; ++v) {
       if (!is_used[v]) obstacles.push_back({{v, 0, 0}, 1});
     }
-    PatchMesh mesh(points_, std::move(faces), segments, DeviationLimit(options_.angle));
-    PatchRules rules(mesh, points_, obstacles,
-                     {options_.angle, options_.within, options_.tolerance});
+    PatchMesh mesh(std::move(points), std::move(faces), segments, DeviationLimit(options_.angle));
+    PatchRules rules(mesh, obstacles, {options_.angle, options_.within, options_.tolerance});
     FeatureEdgeResult result;
-    is_dropped_.assign(points_.size(), false);
+    is_dropped_.assign(count, false);
     for (const Node v : Collapses(mesh, rules).Run()) {
       is_dropped_[v] = true;
       result.changes.push_back(
-          {SurfaceChangeKind::kPointDropped, {surface_.point_ids[v]}, points_[v], points_[v]});
+          {SurfaceChangeKind::kPointDropped, {surface_.point_ids[v]}, mesh.at(v), mesh.at(v)});
     }
     result.sharp_edges = mesh.sharp_count();
-    for (Node v = 0; v < points_.size(); ++v) {
+    for (Node v = 0; v < count; ++v) {
       if (is_face_corner[v] && mesh.IsCorner(v)) ++result.corners;
     }
     Write(mesh, result);
@@ -66,7 +68,7 @@ class Simplifier {
 
  private:
   // In the order of coordinates, which are all different.
-  void EnterNodes() {
+  std::vector<Point3> EnterNodes() {
     std::vector<const Feature*> order;
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kPoint) order.push_back(&f);
@@ -74,10 +76,12 @@ class Simplifier {
     }
     std::sort(order.begin(), order.end(),
               [](const Feature* a, const Feature* b) { return a->position < b->position; });
+    std::vector<Point3> points;
     for (const Feature* f : order) {
-      points_.push_back(f->position);
+      points.push_back(f->position);
       node_of_[f->id] = surface_.AddNode(f->position, f->id);
     }
+    return points;
   }
 
   std::vector<PatchFace> Triangulate() {
@@ -145,7 +149,6 @@ class Simplifier {
   const std::vector<Feature>& features_;
   const FeatureEdgeOptions& options_;
   Surface surface_;
-  std::vector<Point3> points_;  // by node
   std::vector<bool> is_dropped_;
   absl::flat_hash_map<FeatureId, Node> node_of_;
   absl::flat_hash_map<FeatureId, std::size_t> pieces_of_;
@@ -155,27 +158,22 @@ class Simplifier {
 }  // namespace
 
 double DefaultWithin(const std::vector<Feature>& features) {
-  absl::flat_hash_map<FeatureId, Point3> at;
+  absl::flat_hash_map<FeatureId, const Point3*> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
+    if (f.kind == FeatureKind::kPoint) at[f.id] = &f.position;
   }
-  Point3 lo{}, hi{};
-  bool is_first = true;
+  std::optional<Box3> box;
   for (const Feature& f : features) {
     if (f.kind != FeatureKind::kPolygon) continue;
     for (const auto& ring : f.rings) {
       for (const FeatureId corner : ring) {
-        const Point3& p = at.at(corner);
-        if (is_first) lo = hi = p;
-        is_first = false;
-        for (std::size_t k = 0; k < 3; ++k) {
-          lo[k] = std::min(lo[k], p[k]);
-          hi[k] = std::max(hi[k], p[k]);
-        }
+        const Box3 here = {*at.at(corner), *at.at(corner)};
+        if (!box) box = here;
+        box->Add(here);
       }
     }
   }
-  return kDefaultWithin * std::sqrt(SquaredDistance<3>(lo, hi));
+  return box ? kDefaultWithin * std::sqrt(SquaredDistance<3>(box->lo, box->hi)) : 0;
 }
 
 absl::StatusOr<FeatureEdgeResult> KeepFeatureEdges(const std::vector<Feature>& features,

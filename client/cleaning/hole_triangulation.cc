@@ -13,7 +13,7 @@ namespace {
 
 // Of all three angles; infinite without area.
 std::array<double, 3> CotangentsOf(const TriangleCorners& t) {
-  const Point3 normal = Cross(Minus(t[1], t[0]), Minus(t[2], t[0]));
+  const Point3 normal = NormalOf(t[0], t[1], t[2]);
   const double area2 = std::sqrt(Dot(normal, normal));
   std::array<double, 3> cotangents;
   cotangents.fill(std::numeric_limits<double>::infinity());
@@ -35,7 +35,7 @@ double LeastCotangent(const TriangleCorners& triangle) {
 }
 
 double SquaredCircumradius(const TriangleCorners& t) {
-  const Point3 normal = Cross(Minus(t[1], t[0]), Minus(t[2], t[0]));
+  const Point3 normal = NormalOf(t[0], t[1], t[2]);
   const double area2 = std::sqrt(Dot(normal, normal));
   if (!(area2 > 0)) return std::numeric_limits<double>::infinity();
   const double root = std::sqrt(SquaredDistance<3>(t[0], t[1])) / area2 *
@@ -45,7 +45,7 @@ double SquaredCircumradius(const TriangleCorners& t) {
 }
 
 double HeightOf(const TriangleCorners& t) {
-  const Point3 normal = Cross(Minus(t[1], t[0]), Minus(t[2], t[0]));
+  const Point3 normal = NormalOf(t[0], t[1], t[2]);
   const double longest2 = std::max({SquaredDistance<3>(t[0], t[1]), SquaredDistance<3>(t[1], t[2]),
                                     SquaredDistance<3>(t[2], t[0])});
   return std::sqrt(Dot(normal, normal) / longest2);

@@ -17,10 +17,10 @@ using Piece = absl::InlinedVector<Point3, 8>;  // corners of a convex polygon, i
 constexpr std::size_t kPieces = 32;
 constexpr std::size_t kPiecesOfTarget = 8;
 
-double SquaredDistanceToBox(const Point3& p, const DistanceTarget& target) {
+double SquaredDistanceTo(const Box3& box, const Point3& p) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double d = std::max({target.lo[k] - p[k], p[k] - target.hi[k], 0.0});
+    const double d = std::max({box.lo[k] - p[k], p[k] - box.hi[k], 0.0});
     sum += d * d;
   }
   return sum;
@@ -54,11 +54,7 @@ std::pair<Piece, Piece> Cut(const Piece& piece, const Point3& at, const Point3& 
 
 // At half of the longest side of its box.
 std::pair<Piece, Piece> Halves(const Piece& piece) {
-  Point3 lo = piece[0], hi = lo;
-  for (const Point3& p : piece) {
-    for (std::size_t k = 0; k < 3; ++k)
-      lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
-  }
+  const auto [lo, hi] = Box3::Of(piece);
   const std::size_t axis = AxisOf(Minus(hi, lo));
   Point3 normal{}, middle{};
   normal[axis] = 1;
@@ -92,16 +88,10 @@ Point3 NearestOn(const TriangleCorners& triangle, const Point3& p) {
 }
 
 DistanceTarget::DistanceTarget(const TriangleCorners& triangle)
-    : corners(triangle), lo(triangle[0]), hi(triangle[0]) {
-  for (const Point3& p : corners) {
-    for (std::size_t k = 0; k < 3; ++k)
-      lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
-  }
-  const Point3 normal = Cross(Minus(corners[1], corners[0]), Minus(corners[2], corners[0]));
+    : corners(triangle), box(Box3::Of(triangle)) {
+  const Point3 normal = NormalOf(corners[0], corners[1], corners[2]);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Point3 inward = Cross(normal, Minus(corners[(i + 1) % 3], corners[i]));
-    const double length = std::sqrt(Dot(inward, inward));
-    for (std::size_t k = 0; k < 3; ++k) inwards[i][k] = inward[k] / length;
+    inwards[i] = UnitOf(Cross(normal, Minus(corners[(i + 1) % 3], corners[i])));
   }
 }
 
@@ -118,7 +108,7 @@ bool IsWithin(const TriangleCorners& triangle, std::span<const DistanceTarget> t
     double least = std::numeric_limits<double>::infinity();
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
-      if (SquaredDistanceToBox(center, targets[i]) >= least) continue;
+      if (SquaredDistanceTo(targets[i].box, center) >= least) continue;
       const double d2 = SquaredDistance<3>(center, NearestOn(targets[i].corners, center));
       if (d2 < least) least = d2, nearest = i;
     }

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "client/cleaning/box3.h"
 #include "client/cleaning/node_table.h"
 
 namespace dynmesh::cleaning {
@@ -29,8 +30,8 @@ struct DistanceTarget {
   explicit DistanceTarget(const TriangleCorners& triangle);
 
   TriangleCorners corners;
-  Point3 lo{}, hi{};                // its box
-  std::array<Point3, 3> inwards{};  // of edge i: in the triangle's plane, of any length
+  Box3 box;
+  std::array<Point3, 3> inwards{};  // of edge i: in the triangle's plane, of length 1
 };
 
 // Is each point of `triangle` within `distance` of some target? "No" may be wrong if that takes

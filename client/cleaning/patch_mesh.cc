@@ -13,17 +13,10 @@ void Insert(Nodes& nodes, Node n) {
 
 }  // namespace
 
-bool PatchFace::IsOriented(Node a, Node b, Node c) const {
-  const std::array<Node, 3> w = {a, b, c};
-  const auto first = std::find(w.begin(), w.end(), v[0]) - w.begin();
-  return (w[static_cast<std::size_t>(first + 1) % 3] == v[1]) != is_flipped;
-}
-
 void PatchFace::Orient(Node a, Node b, Node c) {
   v = {a, b, c};
   std::sort(v.begin(), v.end());
-  is_flipped = false;
-  is_flipped = !IsOriented(a, b, c);
+  is_flipped = !IsEven({a, b, c});
 }
 
 void PatchFace::Replace(Node old, Node n) {
@@ -51,20 +44,19 @@ void PatchMesh::FindSharp(const std::vector<NodePair>& kept, const DeviationLimi
     is_corner_[edge.first] = is_corner_[edge.second] = true;
   }
   for (const PatchFace& face : faces_) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const NodePair edge = Ordered(face.v[i], face.v[(i + 1) % 3]);
+    VisitEdges(face, [&](NodePair edge, Node) {
       absl::InlinedVector<const PatchFace*, 2> both;
       for (const std::uint32_t f : faces_at_[edge.first]) {
         if (faces_[f].Has(edge.second)) both.push_back(&faces_[f]);
       }
       if (both.size() == 2 && both[0]->group == both[1]->group) {
         const Nodes apexes = ApexesOf(edge.first, edge.second);
-        const Point3 other = NormalBeside(edge, apexes[1]);
-        if (limit.IsKept(NormalBeside(edge, apexes[0]), {-other[0], -other[1], -other[2]}))
-          continue;
+        if (limit.IsKept(NormalBeside(edge, apexes[0]), Opposite(NormalBeside(edge, apexes[1])))) {
+          return;
+        }
       }
       sharp_[edge];
-    }
+    });
   }
   for (Node v = 0; v < points_.size(); ++v) {
     if (is_corner_[v]) continue;

@@ -39,11 +39,6 @@ class DeviationLimit {
   double tangent_;
 };
 
-inline Point3 UnitOf(const Point3& v) {
-  const double length = std::sqrt(Dot(v, v));
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
 struct PatchFace {
   std::array<Node, 3> v{};  // ascending
   bool is_flipped = false;  // its orientation is v[0], v[2], v[1]
@@ -58,11 +53,19 @@ struct PatchFace {
     return v[0] != a && v[0] != b ? v[0] : v[1] != a && v[1] != b ? v[1] : v[2];
   }
   // Has it the orientation of these, its corners?
-  bool IsOriented(Node a, Node b, Node c) const;
+  bool IsOriented(Node a, Node b, Node c) const { return IsEven({a, b, c}) != is_flipped; }
   void Orient(Node a, Node b, Node c);
   // Has n instead of `old`, and keeps its orientation.
   void Replace(Node old, Node n);
 };
+
+// Calls visit(edge, third corner) for the edges of a face.
+template <class Visitor>
+void VisitEdges(const PatchFace& face, Visitor visit) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    visit(Ordered(face.v[i], face.v[(i + 1) % 3]), face.v[(i + 2) % 3]);
+  }
+}
 
 using FaceIndices = absl::InlinedVector<std::uint32_t, 8>;
 using Nodes = absl::InlinedVector<Node, 8>;
@@ -76,6 +79,7 @@ class PatchMesh {
   PatchMesh(std::vector<Point3> points, std::vector<PatchFace> faces,
             const std::vector<NodePair>& kept, const DeviationLimit& limit);
 
+  const std::vector<Point3>& points() const { return points_; }
   const Point3& at(Node v) const { return points_[v]; }
   std::size_t node_count() const { return points_.size(); }
   const std::vector<PatchFace>& faces() const { return faces_; }
@@ -91,7 +95,7 @@ class PatchMesh {
   }
   // Of length 1, of the face with these corners, the edge counter-clockwise.
   Point3 NormalBeside(NodePair edge, Node apex) const {
-    return UnitOf(Cross(Minus(at(edge.second), at(edge.first)), Minus(at(apex), at(edge.first))));
+    return UnitOf(NormalOf(at(edge.first), at(edge.second), at(apex)));
   }
   // Ascending.
   Nodes NeighboursOf(Node v) const;

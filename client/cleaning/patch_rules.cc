@@ -50,31 +50,20 @@ void Erase(std::vector<std::uint32_t>& list, std::uint32_t x) {
 
 ContactElement ElementOf(const PatchFace& face) { return {face.v, 3}; }
 
-template <class Visitor>
-void VisitEdges(const PatchFace& face, Visitor visit) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Node a = face.v[i], b = face.v[(i + 1) % 3];
-    visit(Ordered(a, b), face.v[(i + 2) % 3]);
-  }
-}
-
-Point3 Opposite(const Point3& v) { return {-v[0], -v[1], -v[2]}; }
-
 }  // namespace
 
 bool PatchChange::HasOld(std::uint32_t f) const {
   return std::binary_search(old.begin(), old.end(), f);
 }
 
-PatchRules::PatchRules(PatchMesh& mesh, std::span<const Point3> points,
-                       std::span<const ContactElement> obstacles, const PatchLimits& limits)
+PatchRules::PatchRules(PatchMesh& mesh, std::span<const ContactElement> obstacles,
+                       const PatchLimits& limits)
     : mesh_(mesh),
-      points_(points),
       limits_(limits),
       angle_(limits.angle),
       half_angle_(limits.angle / 2),
       plane_angle_(kPlaneAngle),
-      contacts_(points, limits.tolerance) {
+      contacts_(mesh.points(), limits.tolerance) {
   const std::uint32_t n = static_cast<std::uint32_t>(mesh.faces().size());
   for (std::uint32_t f = 0; f < n; ++f) {
     originals_.push_back(mesh.CornersOf(mesh.faces()[f].v));
@@ -228,7 +217,7 @@ bool PatchRules::HasContacts(const PatchChange& change) const {
   for (const PatchFace& now : change.now) {
     const ContactElement face = ElementOf(now);
     for (const ContactElement& other : faces) {
-      if (HasContact(points_, face, other, limits_.tolerance)) return true;
+      if (HasContact(mesh_.points(), face, other, limits_.tolerance)) return true;
     }
     faces.push_back(face);
   }

@@ -41,9 +41,8 @@ struct PatchChange {
 
 class PatchRules {
  public:
-  // `points` are the mesh's. Edges and points without faces are obstacles. All must live as long.
-  PatchRules(PatchMesh& mesh, std::span<const Point3> points,
-             std::span<const ContactElement> obstacles, const PatchLimits& limits);
+  // Edges and points without faces are obstacles. The mesh must live as long.
+  PatchRules(PatchMesh& mesh, std::span<const ContactElement> obstacles, const PatchLimits& limits);
 
   // Makes the change, if it keeps all rules. O(k lg k) expected for k originals that its faces
   // stand for.
@@ -65,7 +64,6 @@ class PatchRules {
   void Apply(const PatchChange& change, Uses uses);
 
   PatchMesh& mesh_;
-  const std::span<const Point3> points_;
   const PatchLimits limits_;
   const DeviationLimit angle_, half_angle_, plane_angle_;
   bool allows_narrow_ = false;

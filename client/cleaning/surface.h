@@ -7,6 +7,7 @@
 #ifndef DYNMESH_CLIENT_CLEANING_SURFACE_H_
 #define DYNMESH_CLIENT_CLEANING_SURFACE_H_
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,6 +22,12 @@
 namespace dynmesh::cleaning {
 
 inline NodePair Ordered(Node a, Node b) { return a < b ? NodePair(a, b) : NodePair(b, a); }
+
+// From the least corner on, does the lesser of the others come first? REQUIRES: they differ.
+inline bool IsEven(std::array<Node, 3> v) {
+  std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+  return v[1] < v[2];
+}
 
 // The input's faces, or segments, that contain it an odd number of times; ascending.
 using Sources = absl::InlinedVector<FeatureId, 1>;

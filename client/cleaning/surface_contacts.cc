@@ -4,13 +4,13 @@
 #include <CGAL/Exact_rational.h>
 
 #include <algorithm>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <tuple>
 
 #include "absl/functional/function_ref.h"
+#include "client/cleaning/box_tree.h"
 #include "client/cleaning/vectors3.h"
 
 namespace dynmesh::cleaning {
@@ -29,32 +29,13 @@ int Orientation(const Point3& a, const Point3& b, const Point3& c, const Point3&
   return CGAL::orientation(at(a), at(b), at(c), at(d));
 }
 
-struct Box {
-  Point3 lo, hi;
-
-  bool Meets(const Box& other) const {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (lo[i] > other.hi[i] || hi[i] < other.lo[i]) return false;
-    }
-    return true;
-  }
-};
-
-Box BoxOf(std::initializer_list<const Point3*> points, double reach) {
-  Box box = {**points.begin(), **points.begin()};
-  for (const Point3* p : points) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.lo[i] = std::min(box.lo[i], (*p)[i]);
-      box.hi[i] = std::max(box.hi[i], (*p)[i]);
-    }
-  }
-  for (std::size_t i = 0; i < 3; ++i) box.lo[i] -= reach, box.hi[i] += reach;
-  return box;
+Box3 BoxOf(std::initializer_list<Point3> points, double reach) {
+  return Box3::Of({points.begin(), points.size()}).Grown(reach);
 }
 
 // What tests of a simplex need, once. Of the corners in ascending order.
 struct Shape {
-  Box box;
+  Box3 box;
   Point3 normal{};       // of a face, of any length
   double length = 0;     // of the normal
   double deviation = 0;  // of the corners from the plane, by rounding
@@ -76,25 +57,18 @@ class Search {
   // Calls visit(i, j) with i < j for pairs with boxes that meet, of which one is new, until it
   // returns false.
   void VisitPairs(absl::FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const {
-    namespace bg = boost::geometry;
-    using Corner = bg::model::point<double, 3, bg::cs::cartesian>;
-    using TreeBox = bg::model::box<Corner>;
-    using Entry = std::pair<TreeBox, std::uint32_t>;
-    const auto tree_box = [](const Box& b) {
-      return TreeBox(Corner(b.lo[0], b.lo[1], b.lo[2]), Corner(b.hi[0], b.hi[1], b.hi[2]));
-    };
-    std::vector<Entry> entries;
+    std::vector<BoxEntry> entries;
     entries.reserve(shapes_.size());
     for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
-      entries.emplace_back(tree_box(shapes_[i].box), i);
+      entries.emplace_back(TreeBoxOf(shapes_[i].box), i);
     }
-    const bg::index::rtree<Entry, bg::index::quadratic<16>> tree(entries);
-    std::vector<Entry> near;
+    const BoxTree tree(entries);
+    std::vector<BoxEntry> near;
     for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
       if (!IsNew(i)) continue;
       near.clear();
-      tree.query(bg::index::intersects(entries[i].first), std::back_inserter(near));
-      for (const Entry& entry : near) {
+      tree.query(boost::geometry::index::intersects(entries[i].first), std::back_inserter(near));
+      for (const BoxEntry& entry : near) {
         const std::uint32_t j = entry.second;
         if (j == i || (j < i && IsNew(j))) continue;
         if (!visit(std::min(i, j), std::max(i, j))) return;
@@ -137,7 +111,7 @@ class Search {
       return std::nullopt;
     }
     const Point3 &a = at(e.first), &b = at(e.second), &c = at(f.first), &d = at(f.second);
-    if (!BoxOf({&a, &b}, reach_).Meets(BoxOf({&c, &d}, 0))) return std::nullopt;
+    if (!BoxOf({a, b}, reach_).Meets(BoxOf({c, d}, 0))) return std::nullopt;
     const Point3 u = Minus(b, a), w = Minus(d, c), r = Minus(c, a);
     const double uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w);
     const Point3 n = Cross(u, w);
@@ -161,7 +135,7 @@ class Search {
     const Simplex& s = surface_.simplices[i];
     if (s.Has(e.first) || s.Has(e.second)) return std::nullopt;
     const Point3 &p = at(e.first), &q = at(e.second);
-    if (!BoxOf({&p, &q}, 0).Meets(shapes_[i].box)) return std::nullopt;
+    if (!BoxOf({p, q}, 0).Meets(shapes_[i].box)) return std::nullopt;
     const std::array<Node, 3> v = s.Key();
     const Point3 &a = at(v[0]), &b = at(v[1]), &c = at(v[2]);
     const int at_p = Orientation(a, b, c, p);
@@ -242,16 +216,16 @@ class Search {
     const std::array<Node, 3> v = s.Key();
     if (s.size == 3) {
       const Point3 &a = at(v[0]), &b = at(v[1]), &c = at(v[2]);
-      shape.normal = Cross(Minus(b, a), Minus(c, a));
+      shape.normal = NormalOf(a, b, c);
       shape.length = std::sqrt(Dot(shape.normal, shape.normal));
       shape.axis = AxisOf(shape.normal);
       for (const Point3* p : {&b, &c}) {
         const double height = std::abs(Dot(shape.normal, Minus(*p, a))) / shape.length;
         if (height > shape.deviation) shape.deviation = height;
       }
-      shape.box = BoxOf({&a, &b, &c}, 2 * reach_ + 2 * shape.deviation);
+      shape.box = BoxOf({a, b, c}, 2 * reach_ + 2 * shape.deviation);
     } else {
-      shape.box = BoxOf({&at(v[0]), &at(v[s.size == 2 ? 1 : 0])}, 2 * reach_);
+      shape.box = BoxOf({at(v[0]), at(v[s.size == 2 ? 1 : 0])}, 2 * reach_);
     }
     return shape;
   }
@@ -281,19 +255,12 @@ class Search {
   std::vector<Shape> shapes_;
 };
 
-// From the least corner on, does the lesser of the others come first?
-bool IsEven(std::array<Node, 3> v) {
-  std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
-  return v[1] < v[2];
-}
-
 }  // namespace
 
 FaceView ViewOf(const Surface& surface, const Simplex& face) {
   const std::array<Node, 3> key = face.Key();
   const Point3& a = surface.at(key[0]);
-  const std::size_t axis =
-      AxisOf(Cross(Minus(surface.at(key[1]), a), Minus(surface.at(key[2]), a)));
+  const std::size_t axis = AxisOf(NormalOf(a, surface.at(key[1]), surface.at(key[2])));
   const int turn =
       Orientation(ShadowOf(surface.at(key[0]), axis), ShadowOf(surface.at(key[1]), axis),
                   ShadowOf(surface.at(key[2]), axis));
@@ -322,7 +289,7 @@ bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
   for (const auto& [of, on] : {std::pair(&s, &t), std::pair(&t, &s)}) {
     const std::array<Node, 3> v = on->Key();
     const Point3& a = surface.at(v[0]);
-    const Point3 n = Cross(Minus(surface.at(v[1]), a), Minus(surface.at(v[2]), a));
+    const Point3 n = NormalOf(a, surface.at(v[1]), surface.at(v[2]));
     const double reach = surface.nodes.tolerance() * std::sqrt(Dot(n, n));
     if (std::all_of(of->v.begin(), of->v.end(),
                     [&](Node c) { return std::abs(Dot(n, Minus(surface.at(c), a))) < reach; })) {

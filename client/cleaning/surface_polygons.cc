@@ -24,8 +24,7 @@ Point3 AreaOf(const Surface& surface, const NodeRing& ring) {
   Point3 area = {0, 0, 0};  // twice
   const Point3& origin = surface.at(ring.front());
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
-    const Point3 part =
-        Cross(Minus(surface.at(ring[i]), origin), Minus(surface.at(ring[i + 1]), origin));
+    const Point3 part = NormalOf(origin, surface.at(ring[i]), surface.at(ring[i + 1]));
     for (std::size_t k = 0; k < 3; ++k) area[k] += part[k];
   }
   return area;

@@ -90,8 +90,7 @@ FeatureId SurfaceRounds::NameOf(NodePair edge) const {
 
 Point3 SurfaceRounds::NormalOf(const Simplex& face) const {
   const std::array<Node, 3> v = face.Key();
-  return Cross(Minus(surface_.at(v[1]), surface_.at(v[0])),
-               Minus(surface_.at(v[2]), surface_.at(v[0])));
+  return cleaning::NormalOf(surface_.at(v[0]), surface_.at(v[1]), surface_.at(v[2]));
 }
 
 void SurfaceRounds::SortAlong(std::vector<Node>& nodes, const Point3& direction) const {

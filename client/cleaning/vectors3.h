@@ -21,6 +21,15 @@ inline double Dot(const Point3& a, const Point3& b) {
 inline Point3 Cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+inline Point3 Opposite(const Point3& v) { return {-v[0], -v[1], -v[2]}; }
+inline Point3 UnitOf(const Point3& v) {
+  const double length = std::sqrt(Dot(v, v));
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+// Of triangle abc, by its orientation; twice as long as its area.
+inline Point3 NormalOf(const Point3& a, const Point3& b, const Point3& c) {
+  return Cross(Minus(b, a), Minus(c, a));
+}
 // The axis of the greatest component; of nearly equal ones the first, so that triangles in one
 // plane mostly have one axis, however they are rounded.
 inline std::size_t AxisOf(const Point3& v) {

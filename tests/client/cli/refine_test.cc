@@ -20,6 +20,13 @@ constexpr char kFrame[] =
 
 class Refine : public CommandLineFixture {
  protected:
+  // The mesh m.node is refused with that message.
+  void ExpectRefused(const std::string& message) {
+    const Outcome refused = Run("mesh m.node -r");
+    EXPECT_EQ(refused.code, 2) << message;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find("nan"), std::string::npos) << refused.err;
+  }
   io::IndexedMesh Mesh(const std::string& name) const {
     const auto files = io::ReadMeshFiles(folder_.Path(name));
     EXPECT_TRUE(files.ok()) << files.status();
@@ -141,9 +148,7 @@ TEST_F(Refine, NamesTheFileOfWhatIsWrong) {
     folder_.Write("m.edge", "0 1\n");
     folder_.Write("m.area", "2\n1 .1\n2 .1\n");
     folder_.Write("m." + file, text);
-    const Outcome refused = Run("mesh m.node -r");
-    EXPECT_EQ(refused.code, 2) << message;
-    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+    ExpectRefused(message);
   }
 }
 
@@ -163,10 +168,7 @@ TEST_F(Refine, NamesTheFileOfWhatIsWrongInSpace) {
     folder_.Write("m.face", "0 1\n");
     folder_.Write("m.vol", "1\n1 1\n");
     folder_.Write("m." + file, text);
-    const Outcome refused = Run("mesh m.node -r");
-    EXPECT_EQ(refused.code, 2) << message;
-    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
-    EXPECT_EQ(refused.err.find("nan"), std::string::npos) << refused.err;
+    ExpectRefused(message);
   }
 }
 
