@@ -187,10 +187,9 @@ TEST(LeaderProgram, TheWorkOfAnEditDoesNotGrowWithTheInput) {
   EXPECT_GT(large.executed, 1);
 }
 
-TEST(LeaderProgram, EqualOutputsStopThePropagation) {
-  Random random(NewSeed());
-  const Line line{7, 5};
-  Input input = RandomInput(line, line.side() * 7 / 8, 1000, random);
+// Edits of `input` after which followers have other values that still are the lesser ones: their
+// leaders need not run again. Returns how many there were.
+int ExpectThatEqualOutputsStopThePropagation(const Line& line, Input input) {
   Traced program(line);
   AddAll(input, &program);
   program.Propagate();
@@ -212,6 +211,18 @@ TEST(LeaderProgram, EqualOutputsStopThePropagation) {
       EXPECT_EQ(program.engine().counters().dropped, 0u);
       ExpectAsFromScratch(program, line, input);
     }
+  }
+  return tried;
+}
+
+TEST(LeaderProgram, EqualOutputsStopThePropagation) {
+  Random random(NewSeed());
+  const Line line{7, 5};
+  int tried = 0;
+  // One random input in 500 has no such follower.
+  for (int inputs = 0; tried == 0 && inputs < 10; ++inputs) {
+    tried = ExpectThatEqualOutputsStopThePropagation(
+        line, RandomInput(line, line.side() * 7 / 8, 1000, random));
   }
   EXPECT_GT(tried, 0);
 }
