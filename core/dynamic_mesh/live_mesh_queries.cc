@@ -106,16 +106,16 @@ AuditReport LiveMesh<D>::Audit() const {
   const std::uint64_t trace = meshing::Audit(mesh_.state->refinement, &report.problems);
   report.trace = {trace, mesh_.state->refinement.engine().operation_count()};
   std::string why;
-  if (!mesh_.state->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
+  if (!mesh_.state->diffs.triangulation().Check(&why)) report.problems.emplace_back("mesh: " + why);
   if (!mesh_.state->diffs.CheckLabels()) {
-    report.problems.push_back("regions of neighbours do not agree with the edges between them");
+    report.problems.emplace_back("regions of neighbours do not agree with the edges between them");
   }
   const Mesh mesh = Snapshot();
   if (!(ComputeHash(mesh) == mesh.hash)) {
-    report.problems.push_back("the hash kept is not that of the mesh");
+    report.problems.emplace_back("the hash kept is not that of the mesh");
   }
   if (mesh.vertices.size() != mesh_.state->diffs.triangulation().vertex_count()) {
-    report.problems.push_back("the triangulation's vertices are not those present");
+    report.problems.emplace_back("the triangulation's vertices are not those present");
   }
   return report;
 }
