@@ -11,6 +11,7 @@
 #include "client/cli/quadtree_text.h"
 #include "client/cli/size_conformity.h"
 #include "client/cli/words.h"
+#include "client/verify/owners.h"
 #include "client/verify/verify.h"
 #include "client/verify/verify_quadtree.h"
 #include "core/io/common/extension.h"
@@ -180,7 +181,7 @@ int Run(const VerifyCommand& command) {
   if (auto status = CheckMinDihedralFlag(command.min_dihedral); !status.ok()) {
     return ReportError(status);
   }
-  const absl::StatusOr<JudgedMesh> files = ReadJudgedMesh(command);
+  absl::StatusOr<JudgedMesh> files = ReadJudgedMesh(command);
   if (!files.ok()) return ReportError(files.status());
   if (auto status = CheckMinDihedralFlag(command.min_dihedral, command.mesh, files->mesh.dimension);
       !status.ok()) {
@@ -193,6 +194,7 @@ int Run(const VerifyCommand& command) {
     if (!loaded.ok()) return ReportError(loaded.status());
     input = *std::move(loaded);
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
+    if (files->has_input_markers) FindOwners(input.features, files->mesh);
   }
   const double rho =
       command.rho.value_or(files->rho.value_or(DefaultQuality(files->mesh.dimension)));
@@ -204,6 +206,11 @@ int Run(const VerifyCommand& command) {
   if (!PrintOut(command.json ? FormatJson(report, rho, command.min_dihedral, conformity)
                              : FormatText(report, rho, command.min_dihedral, conformity))) {
     return kExitFailed;
+  }
+  if (!report.Passed() && files->has_input_markers && command.input.empty()) {
+    PrintWarning(absl::StrFormat(
+        "%s has the input's markers: give --input, which tells what small angles of it excuse",
+        command.mesh));
   }
   return report.Passed() ? kExitDone : kExitFailed;
 }

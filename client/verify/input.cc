@@ -33,13 +33,6 @@ Position PositionOf(const std::array<double, 3>& p, int dimension) {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
-// Two points joined by a segment or by an edge of a polygon.
-struct Joint {
-  const Feature* feature;
-  FeatureId from;
-  FeatureId to;
-};
-
 class InputCheck {
  public:
   InputCheck(const io::IndexedMesh& mesh, const std::vector<Feature>& features, Chains* chains)
@@ -62,7 +55,7 @@ class InputCheck {
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kPoint) CheckPoint(f);
     }
-    FindOwners();
+    for (const Joint& joint : JointsOf(features_)) wanted_[joint.feature->id].push_back(joint);
     for (const auto& [owner, wanted] : wanted_) CheckOwner(owner, wanted);
     CheckNoOther();
     return findings_.Take();
@@ -86,33 +79,6 @@ class InputCheck {
       findings_.Add(Concat("input point ", f.id, " is ", VertexName(*v),
                            ", which does not carry it as marker"));
     }
-  }
-
-  // The owner of every pair of points joined by a segment or a polygon: the segment, else the first
-  // polygon.
-  void FindOwners() {
-    for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) Join(f, f.ends[0], f.ends[1]);
-    }
-    std::vector<const Feature*> polygons;
-    for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPolygon) polygons.push_back(&f);
-    }
-    std::sort(polygons.begin(), polygons.end(),
-              [](const Feature* f, const Feature* g) { return f->id < g->id; });
-    for (const Feature* f : polygons) {
-      for (const auto& ring : f->rings) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-          Join(*f, ring[i], ring[(i + 1) % ring.size()]);
-        }
-      }
-    }
-  }
-
-  void Join(const Feature& f, FeatureId from, FeatureId to) {
-    const bool is_segment = f.kind == FeatureKind::kSegment;
-    if (!joined_.insert(std::minmax(from, to)).second && !is_segment) return;
-    wanted_[f.id].push_back({&f, from, to});
   }
 
   // Checks all joints of an owner, and that it owns nothing else.
@@ -252,13 +218,35 @@ class InputCheck {
   const double tolerance_;
   absl::flat_hash_map<Position, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
-  std::set<std::pair<FeatureId, FeatureId>> joined_;
   std::map<FeatureId, std::vector<Joint>> wanted_;  // by owner
   absl::flat_hash_map<FeatureId, const Feature*> points_;
   Findings findings_{"input"};
 };
 
 }  // namespace
+
+std::vector<Joint> JointsOf(const std::vector<Feature>& features) {
+  std::vector<Joint> joints;
+  std::set<std::pair<FeatureId, FeatureId>> joined;
+  std::vector<const Feature*> polygons;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPolygon) polygons.push_back(&f);
+    if (f.kind != FeatureKind::kSegment) continue;
+    joined.insert(std::minmax(f.ends[0], f.ends[1]));
+    joints.push_back({&f, f.ends[0], f.ends[1]});
+  }
+  std::sort(polygons.begin(), polygons.end(),
+            [](const Feature* f, const Feature* g) { return f->id < g->id; });
+  for (const Feature* f : polygons) {
+    for (const auto& ring : f->rings) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const FeatureId from = ring[i], to = ring[(i + 1) % ring.size()];
+        if (joined.insert(std::minmax(from, to)).second) joints.push_back({f, from, to});
+      }
+    }
+  }
+  return joints;
+}
 
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                        Chains* chains) {

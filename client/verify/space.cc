@@ -185,7 +185,7 @@ VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& face
       return;
     }
     const FeatureId owner = listed[row++].owner;
-    if (owner == kNoFeature) {
+    if (owner == kNoFeature && !files.has_input_markers) {
       findings.Add(FaceName(face->v) + " is listed without a marker");
     } else if (owner == kBoxFeature && !border) {
       findings.Add(FaceName(face->v) + " is inside and has the marker -1");

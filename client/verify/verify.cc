@@ -170,8 +170,9 @@ VerifyCheck CheckPoints(const io::IndexedMesh& mesh, const std::vector<Feature>&
   return findings.Take();
 }
 
-void CheckFeatures(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
+void CheckFeatures(const io::MeshFiles& files, const std::vector<Face>& faces,
                    const std::vector<Feature>& features, MeshScope scope, VerifyReport& report) {
+  const io::IndexedMesh& mesh = files.mesh;
   const bool is_whole = scope == MeshScope::kWhole;
   const bool in_space = mesh.dimension == 3;
   Chains chains;
@@ -181,6 +182,7 @@ void CheckFeatures(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
   if (std::ranges::any_of(features, is_size)) {
     report.checks.push_back(CheckSizes(mesh, features));
   }
+  if (files.has_input_markers) return;  // regions are attributes of the input's seeds
   if (!in_space) {
     report.checks.push_back(CheckRegions(mesh, features));
   } else if (is_whole) {
@@ -219,7 +221,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
     return report;
   }
   if (files.recorded_hash) report.checks.push_back(CheckHash(files, report.hash));
-  if (features != nullptr) CheckFeatures(mesh, faces, *features, scope, report);
+  if (features != nullptr) CheckFeatures(files, faces, *features, scope, report);
   return report;
 }
 

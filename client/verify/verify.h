@@ -44,7 +44,8 @@
 // sum of manifold there is
 //   overlap      no vertex lies in a simplex that does not have it, and no two sides of the border
 //                cross: so no place is covered twice
-// and of the input only the positions of points are checked, sizes and, in 2D, regions. A mesh of
+// and of the input only the positions of points are checked, sizes and, in 2D, regions. Of a file
+// with the input's markers no regions are known. A mesh of
 // another mesher (kForeign) has vertices, orientation, manifold, overlap and, if a rho is given,
 // quality. What is not Delaunay is counted only.
 #ifndef DYNMESH_CLIENT_VERIFY_VERIFY_H_

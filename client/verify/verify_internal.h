@@ -93,6 +93,16 @@ std::string FaceName(const std::array<std::uint32_t, 3>& v);
 std::string TriangleName(std::uint32_t triangle);
 std::string TetrahedronName(std::uint32_t tetrahedron);
 
+// Two points joined by a segment or by an edge of a polygon, and the feature that owns the chain of
+// edges between them.
+struct Joint {
+  const Feature* feature;
+  FeatureId from;
+  FeatureId to;
+};
+// All joints. The owner of one is its segment, else the first of its polygons. O(n lg n).
+std::vector<Joint> JointsOf(const std::vector<Feature>& features);
+
 // For both dimensions.
 VerifyCheck CheckVertices(const io::IndexedMesh& mesh);
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh);

@@ -42,6 +42,38 @@ TEST_F(Judge, PartsAreGood) {
   EXPECT_EQ(Run("verify m.node").code, 1);
 }
 
+// Regions of such a file are attributes of seeds, and no row tells which feature it lies on.
+TEST_F(Judge, FilesWithMarkersOfTheInputAreJudgedByTheInput) {
+  ASSERT_EQ(Run("mesh p.poly --inside --markers input -o i.node").code, 0);
+  const Outcome plate = Run("verify i.node --input p.poly");
+  EXPECT_EQ(plate.code, 0) << plate.out;
+  EXPECT_EQ(plate.out.find("regions"), std::string::npos) << plate.out;
+  folder_.Write("sharp.poly",
+                "3 2 0 1\n1 0 0 5\n2 1 0 5\n3 1 .17 5\n3 1\n1 1 2 7\n2 2 3 7\n3 3 1 7\n0\n");
+  ASSERT_EQ(Run("mesh sharp.poly --inside --markers input -o s.node").code, 0);
+  const Outcome judged = Run("verify s.node --input sharp.poly --json");
+  EXPECT_EQ(judged.code, 0) << judged.out;
+  EXPECT_EQ(Value(judged.out, "exempt"), "2") << judged.out;
+  const Outcome alone = Run("verify s.node");
+  EXPECT_EQ(alone.code, 1) << alone.out;
+  EXPECT_NE(alone.err.find("give --input"), std::string::npos) << alone.err;
+}
+
+TEST_F(Judge, FilesWithMarkersOfThe3DInputAreJudgedByTheInput) {
+  // A wedge of 5 degrees.
+  folder_.Write("w.smesh",
+                "6 3 0 0\n1 0 0 0\n2 1 0 0\n3 1 .0875 0\n4 0 0 1\n5 1 0 1\n"
+                "6 1 .0875 1\n5 1\n3 1 2 3 7\n3 4 5 6 7\n4 1 2 5 4 8\n4 2 3 6 5 9\n"
+                "4 3 1 4 6 10\n0\n0\n");
+  for (const std::string part : {"--inside ", ""}) {
+    ASSERT_EQ(Run("mesh w.smesh " + part + "--rho 1.5 --markers input -o m.node").code, 0);
+    const Outcome judged = Run("verify m.node --input w.smesh --json");
+    EXPECT_EQ(judged.code, 0) << part << judged.out;
+    EXPECT_NE(Value(judged.out, "exempt"), "0") << judged.out;
+    EXPECT_NE(Run("verify m.node").err.find("give --input"), std::string::npos);
+  }
+}
+
 TEST_F(Judge, BoundsAreThoseOfTheFile) {
   ASSERT_EQ(Run("mesh p.poly --rho 1 -o m.node").code, 0);
   const Outcome stats = Run("stats m.node --json");
