@@ -155,9 +155,10 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
                                                 const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  // Another server may take the place of one whose machine or network is gone.
+  // Another server may take the place of one whose machine or network is gone: a call notices it
+  // after the two times together.
   const bool is_one = address.find(',') == std::string::npos;
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 15'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 5'000);
   if (!is_one) {
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect

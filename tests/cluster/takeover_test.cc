@@ -16,34 +16,13 @@
 namespace dynmesh::test {
 namespace {
 
-int Kills() {
-  int kills = 4;
-  const char* const given = std::getenv("DYNMESH_CLUSTER_KILLS");
-  if (given != nullptr && !absl::SimpleAtoi(given, &kills)) kills = 0;
-  return kills;
-}
-
 class TakeoverTest : public WriterTest {
  protected:
-  std::int64_t EpochOf(const std::string& mesh) const {
-    return Number("SELECT epoch FROM dynmesh.meshes WHERE id = '" + mesh + "'");
-  }
-  // The first revision of the mesh that was written in a later epoch; 0: none yet.
-  std::uint64_t FirstAfter(const std::string& mesh, std::int64_t epoch) const {
-    return static_cast<std::uint64_t>(
-        Number(absl::StrCat("SELECT min(e.revision) FROM dynmesh.entries AS e JOIN dynmesh.meshes "
-                            "AS m ON m.key = e.mesh WHERE m.id = '",
-                            mesh, "' AND e.epoch > ", epoch)));
-  }
-
   // Kills the owner of a mesh, and starts it again when its meshes were written by others. Adds how
   // long each of these took.
   void KillOwner(const std::string& mesh, std::vector<double>& seconds) {
     Node& node = At(OwnerOf(mesh));
-    std::map<Writer*, std::int64_t> lost;
-    for (const auto& writer : writers_) {
-      if (OwnerOf(writer->mesh()) == node.address) lost[writer.get()] = EpochOf(writer->mesh());
-    }
+    const std::map<Writer*, std::int64_t> lost = WrittenAt(node);
     const double left =
         0.001 *
         static_cast<double>(Number(
@@ -53,12 +32,7 @@ class TakeoverTest : public WriterTest {
     node.daemon.End(SIGKILL);
     const Clock::time_point killed = Clock::now();
     for (const auto& [writer, epoch] : lost) {
-      std::uint64_t first = 0;
-      WaitUntil("a batch at the next owner of " + writer->mesh(), [&, w = writer, e = epoch] {
-        if (!w->trouble().empty()) return true;
-        if (first == 0) first = FirstAfter(w->mesh(), e);
-        return first > 0 && w->acknowledged() >= first;
-      });
+      const std::uint64_t first = AwaitNextOwner(*writer, epoch);
       ASSERT_EQ(writer->trouble(), "") << node.daemon.Log();
       seconds.push_back(std::chrono::duration<double>(writer->TimeOf(first) - killed).count());
       std::printf("%s at revision %llu: written again after %.3f s; the lease had %.3f s left\n",
@@ -67,23 +41,18 @@ class TakeoverTest : public WriterTest {
     }
     Restart(node);
   }
-
-  std::vector<std::unique_ptr<Writer>> writers_;
 };
 
 TEST_F(TakeoverTest, AKilledOwnersMeshesGoOnAtAnotherNodeAndNothingIsLostOrDoubled) {
-  const int kills = Kills();
+  const int kills = CountFrom("DYNMESH_CLUSTER_KILLS", 4);
   ASSERT_GT(kills, 0) << "DYNMESH_CLUSTER_KILLS is no number above 0";
   const std::uint64_t seed = Seed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   StartNodes(3);
   ASSERT_FALSE(HasFatalFailure());
-  for (int i = 0; i < 4; ++i) {
-    writers_.push_back(std::make_unique<Writer>(absl::StrCat("m", i), Connect()));
-    writers_.back()->Start();
-    ASSERT_FALSE(HasFatalFailure());
-  }
+  StartWriters(4);
+  ASSERT_FALSE(HasFatalFailure());
   std::vector<double> seconds;
   for (int i = 0; i < kills; ++i) {
     SCOPED_TRACE(absl::StrCat("kill ", i));

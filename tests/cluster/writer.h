@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -129,10 +130,93 @@ class Writer {
   std::string trouble_;
 };
 
+// Reads the revision of a writer's mesh without end, at one node, which sends it to the mesh's
+// owner.
+class Reader {
+ public:
+  Reader(const Writer& writer, std::unique_ptr<client::MeshClient> client)
+      : writer_(writer), client_(std::move(client)), thread_([this] { Run(); }) {}
+  ~Reader() { Stop(); }
+
+  void Stop() {
+    stopped_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  std::uint64_t reads() const { return reads_; }
+  std::uint64_t errors() const { return errors_; }
+  // Reads that did not tell of a batch that had been acknowledged before they began.
+  std::uint64_t stale() const { return stale_; }
+
+ private:
+  void Run() {
+    while (!stopped_) {
+      const std::uint64_t acknowledged = writer_.acknowledged();
+      const auto found = client_->GetMesh(writer_.mesh());
+      if (found.ok()) {
+        ++reads_;
+        stale_ += found->revision < acknowledged;
+      } else {
+        ++errors_;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+
+  const Writer& writer_;
+  const std::unique_ptr<client::MeshClient> client_;
+  std::atomic<bool> stopped_{false};
+  std::atomic<std::uint64_t> reads_{0}, errors_{0}, stale_{0};
+  std::thread thread_;
+};
+
+// The number of that variable of the environment; 0 if it is none.
+inline int CountFrom(const char* variable, int count) {
+  const char* const given = std::getenv(variable);
+  if (given != nullptr && !absl::SimpleAtoi(given, &count)) count = 0;
+  return count;
+}
+
 // A cluster with writers.
 class WriterTest : public ClusterTest {
  protected:
   using ClusterTest::ClusterTest;
+
+  void StartWriters(int count) {
+    for (int i = 0; i < count; ++i) {
+      writers_.push_back(std::make_unique<Writer>(absl::StrCat("m", i), Connect()));
+      writers_.back()->Start();
+      if (HasFatalFailure()) return;
+    }
+  }
+  std::int64_t EpochOf(const std::string& mesh) const {
+    return Number("SELECT epoch FROM dynmesh.meshes WHERE id = '" + mesh + "'");
+  }
+  // The first revision of the mesh that was written in a later epoch; 0: none yet.
+  std::uint64_t FirstAfter(const std::string& mesh, std::int64_t epoch) const {
+    return static_cast<std::uint64_t>(
+        Number(absl::StrCat("SELECT min(e.revision) FROM dynmesh.entries AS e JOIN dynmesh.meshes "
+                            "AS m ON m.key = e.mesh WHERE m.id = '",
+                            mesh, "' AND e.epoch > ", epoch)));
+  }
+  // The writers whose meshes a node has, and the epochs of these.
+  std::map<Writer*, std::int64_t> WrittenAt(const Node& node) const {
+    std::map<Writer*, std::int64_t> written;
+    for (const auto& writer : writers_) {
+      if (OwnerOf(writer->mesh()) == node.address) written[writer.get()] = EpochOf(writer->mesh());
+    }
+    return written;
+  }
+  // Waits until a batch of a later epoch is acknowledged, or the writer is in trouble. Returns the
+  // first revision of that epoch.
+  std::uint64_t AwaitNextOwner(const Writer& writer, std::int64_t epoch) {
+    std::uint64_t first = 0;
+    WaitUntil("a batch at the next owner of " + writer.mesh(), [&] {
+      if (!writer.trouble().empty()) return true;
+      if (first == 0) first = FirstAfter(writer.mesh(), epoch);
+      return first > 0 && writer.acknowledged() >= first;
+    });
+    return first;
+  }
 
   std::int64_t Number(const std::string& sql) const {
     std::int64_t number = 0;
@@ -157,6 +241,13 @@ class WriterTest : public ClusterTest {
         Number("SELECT count(*)" + of_mesh + " AND convert_from(r.id, 'UTF8') <> 'w-' || r.number"),
         0);
     EXPECT_EQ(Number("SELECT count(*) - (max(number) - min(number) + 1)" + of_mesh), 0);
+    // One owner after the other has written.
+    EXPECT_EQ(
+        Number("SELECT count(*) FROM (SELECT e.epoch, lag(e.epoch) OVER (ORDER BY e.revision) "
+               "AS before FROM dynmesh.entries AS e JOIN dynmesh.meshes AS m ON m.key = "
+               "e.mesh WHERE m.id = '" +
+               writer.mesh() + "') AS x WHERE epoch < before"),
+        0);
     const auto found = Connect()->GetMesh(writer.mesh());
     ASSERT_TRUE(found.ok()) << found.status();
     EXPECT_EQ(found->revision, head);
@@ -168,6 +259,8 @@ class WriterTest : public ClusterTest {
     ASSERT_TRUE(snapshot.ok()) << snapshot.status();
     EXPECT_EQ(ComputeHash(*snapshot), (*scratch)->hash());
   }
+
+  std::vector<std::unique_ptr<Writer>> writers_;
 };
 
 inline double Quantile(std::vector<double> values, double part) {

@@ -316,9 +316,10 @@ class Subdirectory(Folder):
         run(CXX, *self.lines[source], "-fsyntax-only", source)
 
     def test_there_is_the_library_and_no_more(self):
+        precompiled = "cmake_pch.hxx.cxx"  # its headers are the system's
         parts = {
-            source.relative_to(SOURCE).parts[:2]
-            for source in self.lines if not source.is_relative_to(CONSUMER)
+            source.relative_to(SOURCE).parts[:2] for source in self.lines
+            if not source.is_relative_to(CONSUMER) and source.name != precompiled
         }
         self.assertEqual({part[0] for part in parts}, {"core"})
         self.assertNotIn(("core", "io"), parts)

@@ -26,8 +26,8 @@ TEXT = """\
 `tests/bench/experiments/surfaces.py` writes this section. The dynamic mesher without a trace and with
 `--min-dihedral 0`, at ρ = 2, and TetGen (`-pq2`). Of a closed surface the inside is meshed (`--inside`); others
 are meshed in a box of eight times their extent, and vertices of the bare box do not count. Seconds are of
-processor time, without files; an empty cell: not ended within 40 s. "exempt" counts tetrahedra that an angle of the input forces over ρ. "judge" is
-`dynmesh verify` with the input.
+processor time, without files; an empty cell: not ended within {limit:.0f} s. "exempt" counts tetrahedra that an
+angle of the input forces over ρ. "judge" is `dynmesh verify` with the input.
 """
 
 
@@ -116,7 +116,7 @@ def main() -> None:
             "seconds"]
     write_csv(flags.out / "surfaces.csv", head, rows)
     if not flags.quick and not flags.only:
-        section(flags.page, "surfaces.py", TEXT + "\n" + markdown(head, rows))
+        section(flags.page, "surfaces.py", TEXT.format(limit=flags.limit) + "\n" + markdown(head, rows))
 
 
 if __name__ == "__main__":
