@@ -93,4 +93,14 @@ bool Surface::IsShorter(NodePair a, NodePair b) const {
   return std::minmax(at(a.first), at(a.second)) < std::minmax(at(b.first), at(b.second));
 }
 
+std::array<Node, 3> Surface::CornersOf(const Simplex& face) const {
+  int longest = 0;
+  for (const int k : {1, 2}) {
+    if (IsShorter(face.Edge(longest), face.Edge(k))) longest = k;
+  }
+  const auto [a, b] = face.Edge(longest);
+  const Node apex = face.v[static_cast<std::size_t>((longest + 2) % 3)];
+  return at(a) < at(b) ? std::array{apex, a, b} : std::array{apex, b, a};
+}
+
 }  // namespace dynmesh::cleaning

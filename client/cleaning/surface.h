@@ -3,7 +3,9 @@
 //
 // All numbering is by coordinates (nodes in order of insertion, in each round by coordinates; the
 // others by their corners). So results of iterations in this order do not depend on the input's
-// order. Thread-compatible.
+// order. They may depend on the round in which a node was made: what decides whether there is a
+// fault must be a function of coordinates alone, or a result that is cleaned again has new faults.
+// Thread-compatible.
 #ifndef DYNMESH_CLIENT_CLEANING_SURFACE_H_
 #define DYNMESH_CLIENT_CLEANING_SURFACE_H_
 
@@ -68,6 +70,9 @@ class Surface {
 
   // A strict order of all pairs of nodes by length; ties by coordinates.
   bool IsShorter(NodePair a, NodePair b) const;
+  // A face's corners, by their coordinates alone. The first one is opposite to the longest edge:
+  // the normal of a thin face rounds least from there.
+  std::array<Node, 3> CornersOf(const Simplex& face) const;
   const Point3& at(Node v) const { return nodes.at(v); }
 
   NodeTable3 nodes;

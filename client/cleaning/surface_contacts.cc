@@ -33,13 +33,13 @@ Box3 BoxOf(std::initializer_list<Point3> points, double reach) {
   return Box3::Of({points.begin(), points.size()}).Grown(reach);
 }
 
-// What tests of a simplex need, once. Of the corners in ascending order.
+// What tests of a simplex need, once.
 struct Shape {
   Box3 box;
-  Point3 normal{};       // of a face, of any length
+  Point3 normal{};       // of a face, of any length; through its first corner
   double length = 0;     // of the normal
   double deviation = 0;  // of the corners from the plane, by rounding
-  std::size_t axis = 0;
+  Node first = 0;        // of Surface::CornersOf
 };
 
 class Search {
@@ -88,7 +88,7 @@ class Search {
     }
     if (beside) return beside;
     if (s.size < 3) return std::nullopt;
-    const double height = std::abs(Dot(shape.normal, Minus(p, at(s.Key()[0])))) / shape.length;
+    const double height = std::abs(Dot(shape.normal, Minus(p, at(shape.first)))) / shape.length;
     if (!(height < reach_ + 2 * shape.deviation) || !IsOver(surface_, s, p)) return std::nullopt;
     return kFaceItself;
   }
@@ -96,7 +96,8 @@ class Search {
   // p projects into the open edge and is nearer to it than half the tolerance.
   bool IsBeside(Node v, NodePair edge) const {
     if (v == edge.first || v == edge.second) return false;
-    const Point3 &p = at(v), &lo = at(edge.first), &hi = at(edge.second);
+    const Point3& p = at(v);
+    const auto [lo, hi] = EndsOf(edge);
     const Point3 d = Minus(hi, lo), w = Minus(p, lo);
     const double length2 = Dot(d, d), along = Dot(d, w);
     if (along <= 0 || along >= length2) return false;
@@ -106,11 +107,12 @@ class Search {
 
   // Where two edges without a common end meet.
   std::optional<Point3> Meeting(NodePair e, NodePair f) const {
-    if (f < e) std::swap(e, f);
     if (e.first == f.first || e.first == f.second || e.second == f.first || e.second == f.second) {
       return std::nullopt;
     }
-    const Point3 &a = at(e.first), &b = at(e.second), &c = at(f.first), &d = at(f.second);
+    if (EndsOf(f) < EndsOf(e)) std::swap(e, f);
+    const auto [a, b] = EndsOf(e);
+    const auto [c, d] = EndsOf(f);
     if (!BoxOf({a, b}, reach_).Meets(BoxOf({c, d}, 0))) return std::nullopt;
     const Point3 u = Minus(b, a), w = Minus(d, c), r = Minus(c, a);
     const double uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w);
@@ -211,21 +213,26 @@ class Search {
   }
 
  private:
+  // In the order of coordinates.
+  std::pair<const Point3&, const Point3&> EndsOf(NodePair edge) const {
+    return std::minmax(at(edge.first), at(edge.second));
+  }
+
   Shape ShapeOf(const Simplex& s) const {
     Shape shape;
-    const std::array<Node, 3> v = s.Key();
     if (s.size == 3) {
+      const std::array<Node, 3> v = surface_.CornersOf(s);
       const Point3 &a = at(v[0]), &b = at(v[1]), &c = at(v[2]);
       shape.normal = NormalOf(a, b, c);
       shape.length = std::sqrt(Dot(shape.normal, shape.normal));
-      shape.axis = AxisOf(shape.normal);
+      shape.first = v[0];
       for (const Point3* p : {&b, &c}) {
         const double height = std::abs(Dot(shape.normal, Minus(*p, a))) / shape.length;
         if (height > shape.deviation) shape.deviation = height;
       }
       shape.box = BoxOf({a, b, c}, 2 * reach_ + 2 * shape.deviation);
     } else {
-      shape.box = BoxOf({at(v[0]), at(v[s.size == 2 ? 1 : 0])}, 2 * reach_);
+      shape.box = BoxOf({at(s.v[0]), at(s.v[s.size == 2 ? 1 : 0])}, 2 * reach_);
     }
     return shape;
   }
@@ -259,8 +266,8 @@ class Search {
 
 FaceView ViewOf(const Surface& surface, const Simplex& face) {
   const std::array<Node, 3> key = face.Key();
-  const Point3& a = surface.at(key[0]);
-  const std::size_t axis = AxisOf(NormalOf(a, surface.at(key[1]), surface.at(key[2])));
+  const std::array<Node, 3> v = surface.CornersOf(face);
+  const std::size_t axis = AxisOf(NormalOf(surface.at(v[0]), surface.at(v[1]), surface.at(v[2])));
   const int turn =
       Orientation(ShadowOf(surface.at(key[0]), axis), ShadowOf(surface.at(key[1]), axis),
                   ShadowOf(surface.at(key[2]), axis));
@@ -287,7 +294,7 @@ Point3 FootOn(const Surface& surface, NodePair edge, const Point3& p) {
 
 bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
   for (const auto& [of, on] : {std::pair(&s, &t), std::pair(&t, &s)}) {
-    const std::array<Node, 3> v = on->Key();
+    const std::array<Node, 3> v = surface.CornersOf(*on);
     const Point3& a = surface.at(v[0]);
     const Point3 n = NormalOf(a, surface.at(v[1]), surface.at(v[2]));
     const double reach = surface.nodes.tolerance() * std::sqrt(Dot(n, n));

@@ -89,7 +89,7 @@ FeatureId SurfaceRounds::NameOf(NodePair edge) const {
 }
 
 Point3 SurfaceRounds::NormalOf(const Simplex& face) const {
-  const std::array<Node, 3> v = face.Key();
+  const std::array<Node, 3> v = surface_.CornersOf(face);
   return cleaning::NormalOf(surface_.at(v[0]), surface_.at(v[1]), surface_.at(v[2]));
 }
 

@@ -37,7 +37,7 @@ class Grid {
     const double wanted = std::pow(static_cast<double>(cells) + 1, 1.0 / static_cast<double>(d_));
     count_ = static_cast<std::size_t>(std::clamp(wanted, 1.0, 512.0));
     for (std::size_t k = 0; k < d_; ++k) {
-      step_[k] = std::max((hi[k] - lo_[k]) / static_cast<double>(count_), 1e-300);
+      half_step_[k] = std::max((hi[k] / 2 - lo_[k] / 2) / static_cast<double>(count_), 1e-300);
     }
     items_.resize(d_ == 2 ? count_ * count_ : count_ * count_ * count_);
   }
@@ -55,7 +55,7 @@ class Grid {
 
  private:
   std::size_t CellOf(double c, std::size_t k) const {
-    const double at = (c - lo_[k]) / step_[k];
+    const double at = (c / 2 - lo_[k] / 2) / half_step_[k];  // the difference may be infinite
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count_ - 1)));
   }
   template <class F>
@@ -70,7 +70,7 @@ class Grid {
   }
 
   const std::size_t d_;
-  Position lo_, step_ = {1, 1, 1};
+  Position lo_, half_step_ = {1, 1, 1};
   std::size_t count_ = 1;
   std::vector<std::vector<std::uint32_t>> items_;
 };

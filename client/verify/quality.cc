@@ -112,10 +112,10 @@ class Guarded {
 }  // namespace
 
 double Slack(double shortest, double ulp) {
-  if (!(shortest > 0)) return 0;
-  double below = std::exp2(std::floor(std::log2(shortest)));
-  while (below > shortest) below /= 2;
-  while (2 * below <= shortest) below *= 2;
+  if (!(shortest > 0) || std::isinf(shortest)) return 0;
+  int exponent = 0;
+  std::frexp(shortest, &exponent);
+  double below = std::ldexp(1.0, exponent - 1);
   if (std::numbers::sqrt2 * below <= shortest) below *= std::numbers::sqrt2;
   return 2e-9 + 8 * ulp / below;
 }
@@ -139,8 +139,7 @@ VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& 
     ++report.over_rho;
     long double shortest = 0;
     const long double squared = RatioSquared(mesh, excuses, mesh.triangles[t], &shortest);
-    const double bound =
-        rho * (1 + Slack(std::isinf(shortest) ? 0 : static_cast<double>(shortest), ulp));
+    const double bound = rho * (1 + Slack(static_cast<double>(shortest), ulp));
     if (shape.ratio < HUGE_VAL && shortest > shape.shortest && squared <= bound * bound) {
       ++report.exempt;
       continue;

@@ -158,7 +158,7 @@ VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyRep
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
     const auto shortest = static_cast<double>(excuses.ShortestOf(mesh.tetrahedra[t]));
-    const double bound = rho * (1 + Slack(std::isinf(shortest) ? 0 : shortest, ulp));
+    const double bound = rho * (1 + Slack(shortest, ulp));
     if (shape.ratio < HUGE_VAL && shortest > shape.shortest &&
         shape.ratio * (shape.shortest / shortest) <= bound) {
       ++report.exempt;

@@ -51,18 +51,26 @@ MeshOptions DefaultsIn() {
   return options;
 }
 
-// True if `mesh` equals one from scratch. `local` selects the provider of neighbourhoods of the
-// fresh run; optionally the static path's mesh is compared as well.
-template <int D>
-Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_static) {
+// Tuning under which every batch is made from scratch, in a new state. `local` selects the provider
+// of neighbourhoods.
+inline LiveMeshTuning AlwaysFromScratch(bool local) {
   LiveMeshTuning tuning;
   tuning.rebuild.at_least = 0;
-  tuning.rebuild.features = -1;  // always from scratch
+  tuning.rebuild.features = -1;
   tuning.global_neighbourhoods = !local;
-  LiveMesh<D> fresh(mesh.options(), tuning);
+  return tuning;
+}
+
+// True if `mesh` equals one from scratch, which `fresh` makes: a mesh of the same options, of any
+// features, that is made from scratch. Optionally the static path's mesh is compared as well.
+template <int D>
+Difference CompareWithFresh(const DynamicMesh& mesh, LiveMesh<D>& fresh, bool with_static) {
   const std::vector<Feature> features = mesh.Features();
-  if (!features.empty()) {
-    if (const auto diff = fresh.Apply(AddAll(features), ApplyOptions{}); !diff.ok()) {
+  EditBatch batch;
+  for (const Feature& f : fresh.Features()) batch.push_back(Edit::Remove(f.id));
+  for (Edit& edit : AddAll(features)) batch.push_back(std::move(edit));
+  if (!batch.empty()) {
+    if (const auto diff = fresh.Apply(batch, ApplyOptions{}); !diff.ok()) {
       return {true, "from scratch: " + diff.status().ToString()};
     }
   }
@@ -83,6 +91,13 @@ Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_s
   if (!built.ok()) return {true, "static: " + built.status().ToString()};
   if (!(built->hash == mesh.hash())) return {true, "static mesh differs"};
   return {};
+}
+
+// The same with a new mesh.
+template <int D>
+Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_static) {
+  LiveMesh<D> fresh(mesh.options(), AlwaysFromScratch(local));
+  return CompareWithFresh(mesh, fresh, with_static);
 }
 
 inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local, bool with_static = true) {

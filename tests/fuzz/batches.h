@@ -10,8 +10,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/dynamic_mesh/live_mesh.h"
@@ -25,6 +27,23 @@
 
 namespace dynmesh::fuzz {
 
+// In space the border alone has 386 vertices, and more below a quality of 2. Coarse meshes of few
+// further vertices run the same code, and ten times as often.
+inline constexpr std::array<test::Asked, 4> kAskedOfSpaceBatches = {
+    {{"Rho2", kDefaultQuality3D, Criterion::kEdge},
+     {"Rho8", 8, Criterion::kEdge},
+     {"ThesisRho4", 4, Criterion::kThesis},
+     {"Cured10Rho4", 4, Criterion::kEdge, 10}}};
+
+// The runs from scratch that a mesh is compared with, besides that with a trace and a growing
+// triangulation. In 2D all are made for all inputs. In space they take most of the time, and what
+// is wrong there depends little on the way to the features: each is made for a fourth.
+struct Runs {
+  bool with_static = true;  // without a trace
+  bool with_svr = true;
+  bool with_local = true;  // neighbourhoods from the tree, after every second comparison
+};
+
 template <int D>
 class Unpacker {
  public:
@@ -36,10 +55,11 @@ class Unpacker {
     first_ = Byte();
     MeshOptions options;
     options.dimension = D;
-    const test::Asked& asked =
-        D == 2 ? test::kAsked[first_ % kAskedCount] : test::kAskedInSpace[first_ % kAskedCount];
+    const auto which = static_cast<std::size_t>(first_ % kAskedCount);
+    const test::Asked& asked = D == 2 ? test::kAsked[which] : kAskedOfSpaceBatches[which];
     options.quality = asked.quality;
     options.criterion = asked.criterion;
+    options.min_dihedral = asked.min_dihedral;
     switch (first_ / kAskedCount % 4) {
       case 0:
       case 1:
@@ -50,8 +70,7 @@ class Unpacker {
       default:
         options.box = {{-3e-9, 5e-10, -1e-9}, {1e-9, 6e-10, 1e-9}};
     }
-    // In 3D the border alone has some hundreds.
-    options.limits.max_vertices = (D == 2 ? 1 : 5) * kMostVertices;
+    options.limits.max_vertices = D == 2 ? kMostVertices : kMostVerticesInSpace;
     box_ = options.box;
     return options;
   }
@@ -62,6 +81,12 @@ class Unpacker {
     if (first_ / (4 * kAskedCount) % 2 == 1) tuning.rebuild.at_least = 3;
     tuning.global_neighbourhoods = first_ / (8 * kAskedCount) % 2 == 0;
     return tuning;
+  }
+
+  Runs OfScratch() const {
+    if (D == 2) return {};
+    const int which = first_ / (16 * kAskedCount);
+    return {which == 1, which == 2, which == 3};
   }
 
   // What is left when there are no more bytes is empty.
@@ -93,7 +118,8 @@ class Unpacker {
 
  private:
   using Place = std::array<double, 3>;
-  static constexpr int kAskedCount = D == 2 ? test::kAskedCount : test::kAskedInSpaceCount;
+  static constexpr int kAskedCount =
+      D == 2 ? test::kAskedCount : static_cast<int>(kAskedOfSpaceBatches.size());
 
   std::uint8_t Byte() {
     if (bytes_.empty()) return 0;
@@ -200,11 +226,14 @@ class Unpacker {
 template <int D>
 class Run {
  public:
-  Run(const MeshOptions& options, const LiveMeshTuning& tuning)
-      : mesh_(options, tuning), replica_(SlotMesh::FromMesh(mesh_.Snapshot()).value()) {}
+  Run(const MeshOptions& options, const LiveMeshTuning& tuning, const Runs& runs)
+      : mesh_(options, tuning),
+        replica_(SlotMesh::FromMesh(mesh_.Snapshot()).value()),
+        runs_(runs) {}
 
   // Empty, or what is wrong.
   std::string Apply(const EditBatch& batch) {
+    is_compared_ = false;
     const std::vector<Feature> before = mesh_.Features();
     const MeshHash hash = mesh_.hash();
     const std::uint64_t revision = mesh_.revision();
@@ -226,7 +255,8 @@ class Run {
     return ++accepted_ % 4 == 0 ? Compare() : "";
   }
 
-  std::string Compare() const {
+  std::string Compare() {
+    if (std::exchange(is_compared_, true)) return "";
     const Mesh snapshot = mesh_.Snapshot();
     if (!(ComputeHash(snapshot) == mesh_.hash())) return "the snapshot has another hash";
     if (snapshot.labels != replica_.labels()) return "a replica has other labels";
@@ -238,11 +268,13 @@ class Run {
       }
     }
     if (label != snapshot.labels.end()) return "a label without a feature";
-    return test::CompareWithScratch(mesh_, accepted_ % 2 == 0).what;
+    const bool local = runs_.with_local && accepted_ % 2 == 0;
+    return test::CompareWithFresh(mesh_, Fresh(local), runs_.with_static).what;
   }
 
   // The same features by SVR: a good mesh, or a limit.
   std::string TrySvr() const {
+    if (!runs_.with_svr) return "";
     MeshOptions options = mesh_.options();
     options.criterion = Criterion::kEdge;
     options.quality = std::max(options.quality, DefaultQuality(D));
@@ -259,8 +291,29 @@ class Run {
   }
 
  private:
+  // A mesh to be made from scratch. It is kept, also for later inputs, as a new one is made of the
+  // bare box first.
+  LiveMesh<D>& Fresh(bool local) const {
+    struct Kept {
+      MeshOptions options;
+      bool local;
+      std::unique_ptr<LiveMesh<D>> mesh;
+    };
+    constexpr std::size_t kMostKept = 64;
+    static std::vector<Kept>& all = *new std::vector<Kept>;
+    for (const Kept& kept : all) {
+      if (kept.local == local && kept.options == mesh_.options()) return *kept.mesh;
+    }
+    if (all.size() == kMostKept) all.clear();
+    auto mesh = std::make_unique<LiveMesh<D>>(mesh_.options(), test::AlwaysFromScratch(local));
+    all.push_back({mesh_.options(), local, std::move(mesh)});
+    return *all.back().mesh;
+  }
+
   LiveMesh<D> mesh_;
   SlotMesh replica_;
+  const Runs runs_;
+  bool is_compared_ = false;  // nothing was applied since
   std::uint64_t accepted_ = 0;
 };
 
@@ -270,7 +323,7 @@ std::string TryBatches(std::string_view bytes, std::size_t most) {
   Unpacker<D> unpacker(bytes);
   const MeshOptions options = unpacker.Options();
   std::vector<EditBatch> batches;
-  Run<D> run(options, unpacker.Tuning());
+  Run<D> run(options, unpacker.Tuning(), unpacker.OfScratch());
   std::string problem;
   while (problem.empty() && !unpacker.AtEnd() && batches.size() < most) {
     batches.push_back(unpacker.Batch());

@@ -190,6 +190,31 @@ TEST(CleanSurfaces, TheInsideOfAFaceThatCrossesItselfIsEvenOdd) {
   EXPECT_DOUBLE_EQ(AreaOf(spiral.features), 60);
 }
 
+// Two faces that cross beside corners of both. A part of one is 5 tolerances wide at its wide end;
+// the normal from its far corner is mostly rounding.
+TEST(CleanSurfaces, AResultWithAVeryThinFaceStaysWhenItIsCleanedAgain) {
+  constexpr double kStep = 0x1p-36;
+  const auto point = [](FeatureId id, std::array<double, 3> p, std::array<double, 3> steps) {
+    for (std::size_t k = 0; k < 3; ++k) p[k] += steps[k] * kStep;
+    return Feature::Point(id, p[0], p[1], p[2]);
+  };
+  SurfaceCleanOptions options;
+  options.tolerance = kStep;
+  const auto cleaned =
+      CleanSurfaces({point(1, {0, 0, 2}, {1, 1, 0}), point(2, {2, 1, 0}, {1.5, 0.5, 1.5}),
+                     point(3, {1, 2, 0}, {1.5, 1.5, 0}), point(4, {0, 2, 2}, {0.5, 0, 0.5}),
+                     point(5, {2, 1, 0}, {0, 1, 0}), point(6, {0, 0, 0}, {0, 0, 0}),
+                     Feature::Polygon(7, {{1, 2, 3}}), Feature::Polygon(8, {{4, 5, 6}})},
+                    options);
+  ASSERT_TRUE(cleaned.ok()) << cleaned.status();
+  EXPECT_EQ(cleaned->tolerance, kStep);
+  EXPECT_EQ(FaultOf(PlainOf(cleaned->features)), "");
+  const auto again = CleanSurfaces(cleaned->features, options);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->features, cleaned->features);
+  EXPECT_EQ(again->tolerance, kStep);
+}
+
 TEST(CleanSurfaces, SegmentsAndPointsTakePart) {
   const SurfaceCleanResult result =
       Cleaned({Feature::Point(1, 0, 0, 0), Feature::Point(2, 4, 0, 0), Feature::Point(3, 0, 4, 0),

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
+#include <limits>
+#include <numbers>
 #include <random>
 #include <set>
 #include <string>
@@ -303,6 +305,18 @@ TEST(Verify, FindsAVertexThatTwoFansShare) {
 TEST(Verify, OfAnEmptyFileFails) {
   const VerifyReport report = VerifyMesh(io::MeshFiles(), kAnyQuality, nullptr);
   EXPECT_FALSE(report.Passed());
+}
+
+TEST(Slack, IsThatOfThePowerOfTwoBelowForAllLengths) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(Slack(0, 1), 0);
+  EXPECT_EQ(Slack(2, 0.5), 2e-9 + 8 * 0.5 / 2);
+  EXPECT_EQ(Slack(2.5, 0.5), 2e-9 + 8 * 0.5 / 2);
+  EXPECT_EQ(Slack(3, 0.5), 2e-9 + 8 * 0.5 / (2 * std::numbers::sqrt2));
+  EXPECT_EQ(Slack(std::nextafter(4, 0), 0.5), Slack(3, 0.5));
+  EXPECT_EQ(Slack(std::numeric_limits<double>::denorm_min(), 0), 2e-9);
+  EXPECT_EQ(Slack(std::numeric_limits<double>::max(), 0), 2e-9);
+  EXPECT_EQ(Slack(kInfinity, kInfinity), 0);
 }
 
 // Any change of one index is detected by topology or geometry, even without a recorded hash.
