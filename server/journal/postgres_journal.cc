@@ -67,6 +67,12 @@ void WarnOfUnsafeSettings(Session& session, const std::string& name) {
        {"message", "the database may lose acknowledged edits when the power fails"}});
 }
 
+// With leases another server can have the mesh of one that stopped after about this time.
+absl::Duration BetweenStatements(const PostgresOptions& options) {
+  if (options.lease == absl::ZeroDuration()) return absl::ZeroDuration();
+  return std::max(options.lease, absl::Milliseconds(500));
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& url,
@@ -107,10 +113,10 @@ PostgresJournal::PostgresJournal(const postgres::Target& target, const Options& 
     : name_(target.name),
       options_(options),
       owner_(FreshOwner()),
-      writers_(target.conninfo, options.writing_connections),
-      readers_(target.conninfo, options.reading_connections),
-      keeper_(target.conninfo, 1),
-      follower_(target.conninfo, 2) {}
+      writers_(target.conninfo, options.writing_connections, BetweenStatements(options)),
+      readers_(target.conninfo, options.reading_connections, BetweenStatements(options)),
+      keeper_(target.conninfo, 1, BetweenStatements(options)),
+      follower_(target.conninfo, 2, BetweenStatements(options)) {}
 
 void PostgresJournal::Measure(Session& session) {
   const Answer size = session.Execute(

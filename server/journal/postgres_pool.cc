@@ -33,7 +33,8 @@ absl::StatusOr<Pool::Lease> Pool::TakeFresh() {
 }
 
 absl::StatusOr<Pool::Lease> Pool::Connect() {
-  absl::StatusOr<std::unique_ptr<Session>> session = Session::Connect(conninfo_);
+  absl::StatusOr<std::unique_ptr<Session>> session =
+      Session::Connect(conninfo_, between_statements_);
   if (session.ok()) return Lease(this, *std::move(session));
   Return(nullptr);
   return session.status();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "server/journal/postgres_session.h"
 
 namespace dynmesh::server::postgres {
@@ -36,8 +37,9 @@ class Pool {
     std::unique_ptr<Session> session_;
   };
 
-  // At most `limit` connections are in use, each to `conninfo`.
-  Pool(std::string conninfo, int limit) : conninfo_(std::move(conninfo)), limit_(limit) {}
+  // At most `limit` connections are in use, each made by Session::Connect.
+  Pool(std::string conninfo, int limit, absl::Duration between_statements)
+      : conninfo_(std::move(conninfo)), limit_(limit), between_statements_(between_statements) {}
 
   // An idle connection or a new one. Waits while all are in use. UNAVAILABLE as Session::Connect.
   absl::StatusOr<Lease> Take();
@@ -51,6 +53,7 @@ class Pool {
 
   const std::string conninfo_;
   const int limit_;
+  const absl::Duration between_statements_;
   std::mutex mutex_;
   std::condition_variable returned_;
   std::vector<std::unique_ptr<Session>> idle_;

@@ -16,7 +16,7 @@ namespace {
 // Waiting for a standby must not end by a time limit, and a row lock is waited for.
 constexpr char kSettings[] =
     "SET client_min_messages = warning; SET default_transaction_isolation = 'read committed'; "
-    "SET statement_timeout = 0; SET lock_timeout = 0; SET idle_in_transaction_session_timeout = 0; "
+    "SET statement_timeout = 0; SET lock_timeout = 0; "
     "SET idle_session_timeout = 0; SET bytea_output = 'hex'; "
     "SELECT set_config('synchronous_commit', 'on', false) "
     "WHERE current_setting('synchronous_commit') NOT IN ('on', 'remote_apply')";
@@ -71,7 +71,8 @@ class Session::Listener final : public pqxx::errorhandler {
 Session::Session() = default;
 Session::~Session() = default;
 
-absl::StatusOr<std::unique_ptr<Session>> Session::Connect(const std::string& conninfo) {
+absl::StatusOr<std::unique_ptr<Session>> Session::Connect(const std::string& conninfo,
+                                                          absl::Duration between_statements) {
   std::unique_ptr<Session> session(new Session);
   try {
     session->connection_ = std::make_unique<pqxx::connection>(conninfo);
@@ -84,7 +85,9 @@ absl::StatusOr<std::unique_ptr<Session>> Session::Connect(const std::string& con
     return NotConnected(error.what());
   }
   session->listener_ = std::make_unique<Listener>(*session->connection_);
-  const Answer set = session->Execute(kSettings);
+  const Answer set = session->Execute(absl::StrCat(
+      "SET idle_in_transaction_session_timeout = ", absl::ToInt64Milliseconds(between_statements),
+      "; ", kSettings));
   if (!set.status.ok()) return set.status;
   return session;
 }

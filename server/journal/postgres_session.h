@@ -15,6 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "absl/time/time.h"
 
 namespace dynmesh::server::postgres {
 
@@ -39,10 +40,13 @@ struct Bytes {
 
 class Session {
  public:
-  // Connects, with settings under which a commit is durable when it is answered: no time limits,
-  // and synchronous_commit at least `on`. UNAVAILABLE, with what to do if that is known; nothing is
-  // unknown then. `conninfo` as of Target.
-  static absl::StatusOr<std::unique_ptr<Session>> Connect(const std::string& conninfo);
+  // Connects, with settings under which a commit is durable when it is answered: no time limits
+  // of statements, and synchronous_commit at least `on`. UNAVAILABLE, with what to do if that is
+  // known; nothing is unknown then. `conninfo` as of Target. `between_statements` > 0: a
+  // transaction that waits longer for its next statement is undone, and the connection is closed.
+  // So the locks of a server that stops in one, or is cut off, do not stay.
+  static absl::StatusOr<std::unique_ptr<Session>> Connect(
+      const std::string& conninfo, absl::Duration between_statements = absl::ZeroDuration());
   ~Session();
 
   // Runs one statement, prepared at its first use; `sql` is a constant. Parameters: integers, text,
