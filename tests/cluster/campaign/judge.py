@@ -35,6 +35,8 @@ class Judge:
         self.lost = 0  # acknowledged batches that are not there
         self.double = 0  # batches that are there twice, or in another order
         self.wrong: list[str] = []
+        self._told: set[str] = set()  # troubles of writers
+        self._counted = {"stale": 0, "wrong_hashes": 0}
 
     def judge(self, when: str) -> None:
         writers = self._work.writers
@@ -42,7 +44,8 @@ class Judge:
             writer.hold()
         wait_until("all writers' answers", lambda: all(w.is_held() for w in writers), 2 * PATIENCE)
         before = len(self.wrong)
-        self.wrong += self._work.trouble()
+        self.wrong += [trouble for trouble in self._work.trouble() if trouble not in self._told]
+        self._told.update(self._work.trouble())
         rows = {}
         for row in self._cluster.databases.sql(ROWS).splitlines():
             mesh, *numbers = row.split("|")
@@ -52,8 +55,9 @@ class Judge:
                 self._journal(writer, rows[writer.mesh])
                 self._meshes(writer, server)
         for name in ("stale", "wrong_hashes"):
-            if self._work.count.of(name):
-                self.wrong.append(f"{name}: {self._work.count.of(name)}")
+            if self._work.count.of(name) > self._counted[name]:
+                self.wrong.append(f"{name}: {self._work.count.of(name) - self._counted[name]}")
+                self._counted[name] = self._work.count.of(name)
         self.wrong[before:] = [f"{when}: {what}" for what in self.wrong[before:]]
         for writer in writers:
             writer.go_on()

@@ -1,6 +1,7 @@
 """Meshes that are written to without end, and clients that read and watch them meanwhile."""
 from __future__ import annotations
 
+import functools
 import threading
 import time
 from typing import Any, Optional
@@ -14,7 +15,7 @@ STEPS = {2: (0.7548776662466927, 0.5698402909980532),
          3: (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)}
 KEPT = {2: 60, 3: 25}  # points
 # Errors after which a batch is sent again, with its request id.
-REPEATED = ("UNAVAILABLE", "DEADLINE_EXCEEDED", "UNKNOWN")
+REPEATED = ("UNAVAILABLE", "DEADLINE_EXCEEDED", "UNKNOWN", "CANCELLED")
 
 
 class Writer(threading.Thread):
@@ -183,14 +184,13 @@ class Prober(threading.Thread):
         while True:
             for writer in self._writers:
                 name = f"meshes/{writer.mesh}".encode()
+                known = writer.acknowledged  # before the call begins
                 call = self._get.future(bytes([10, len(name)]) + name, timeout=15,
                                         metadata=(("dynmesh-redirects", "0"),))
-                call.add_done_callback(
-                    lambda call, mesh=writer.mesh, known=writer.acknowledged:
-                    self._judge(call, mesh, known))
+                call.add_done_callback(functools.partial(self._judge, writer.mesh, known))
             time.sleep(0.25)
 
-    def _judge(self, call: Any, mesh: str, known: int) -> None:
+    def _judge(self, mesh: str, known: int, call: Any) -> None:
         if call.code() != grpc.StatusCode.OK:
             self._count.add("probes_refused")
             return
