@@ -137,7 +137,7 @@ def main(arguments: argparse.Namespace) -> int:
         traceback.print_exc()
     for what in wrong:
         print(f"WRONG: {what}")
-    if wrong:
+    if wrong or arguments.keep_logs:
         logs = pathlib.Path(arguments.logs)
         logs.mkdir(parents=True, exist_ok=True)
         for log in logs_in(pathlib.Path(arguments.folder)):

@@ -236,9 +236,12 @@ class Clock(Kind):
             node.drain()
             node.start(self.cluster.databases.url, {
                 "LD_PRELOAD": str(FAKETIME), "FAKETIME_TIMESTAMP_FILE": str(self._file(node)),
-                "FAKETIME_CACHE_DURATION": "1", "DONT_FAKE_MONOTONIC": "1",
-                "FAKETIME_DONT_FAKE_MONOTONIC": "1"})
+                "FAKETIME_CACHE_DURATION": "1", "FAKETIME_DONT_FAKE_MONOTONIC": "1"})
             self.cluster.wait_until_steady()
+            ahead = node.clock() - time.time()
+            if abs(ahead - float(offset)) > 60:
+                raise RuntimeError(f"the clock of node {node.name} is {ahead} s ahead: {offset} was "
+                                   "asked for")
 
     def _file(self, node: Node) -> pathlib.Path:
         return self.folder / f"clock-{node.name}"

@@ -1,6 +1,7 @@
 """Three dynmeshd that share the meshes of one database, each in a box of its own."""
 from __future__ import annotations
 
+import datetime
 import os
 import pathlib
 import signal
@@ -61,6 +62,11 @@ class Node:
         assert self._process is not None
         if self._process.poll() is not None:
             raise RuntimeError(f"node {self.name} ended with {self._process.returncode}")
+
+    def clock(self) -> float:
+        """Its time, as it is in the last line of its log."""
+        last = self._log.read_text(encoding="utf-8").rsplit("time=", 1)[1].split()[0]
+        return datetime.datetime.fromisoformat(last).timestamp()
 
     def log_size(self) -> int:
         return self._log.stat().st_size
