@@ -170,9 +170,13 @@ absl::StatusOr<std::size_t> WriteParts(Session& session, std::int64_t mesh, cons
   return part;
 }
 
+absl::Status BeginBounded(Session& session) {
+  return session.Execute("BEGIN; SET LOCAL idle_in_transaction_session_timeout = 3000").status;
+}
+
 absl::Status SwitchOver(Session& session, std::int64_t mesh, const Belief& at,
                         const std::vector<std::string>& parts, std::uint64_t history_bytes) {
-  if (const Answer begun = session.Execute("BEGIN"); !begun.status.ok()) return begun.status;
+  if (absl::Status begun = BeginBounded(session); !begun.ok()) return begun;
   const Answer held = session.Run(kHold, mesh, at.epoch, at.head);
   absl::Status status = held.status;
   if (status.ok() && held.empty()) status = NotHeld();
@@ -184,7 +188,7 @@ absl::Status SwitchOver(Session& session, std::int64_t mesh, const Belief& at,
 
 absl::StatusOr<bool> SweepPart(Session& session, std::int64_t mesh, std::int64_t epoch,
                                std::uint64_t bytes) {
-  if (const Answer begun = session.Execute("BEGIN"); !begun.status.ok()) return begun.status;
+  if (absl::Status begun = BeginBounded(session); !begun.ok()) return begun;
   absl::StatusOr<bool> more = Sweep(session, mesh, epoch, static_cast<std::int64_t>(bytes));
   absl::Status status = more.status();
   if (status.ok()) status = session.Execute("COMMIT").status;

@@ -25,6 +25,10 @@ absl::StatusOr<std::size_t> WriteParts(Session& session, std::int64_t mesh, cons
                                        const std::vector<std::string>& parts, std::size_t first,
                                        std::uint64_t bytes);
 
+// Begins a transaction that has the row of a mesh. If the next statement does not come for 3 s, the
+// database ends it: a server that is stopped or cut off must not keep the others from its meshes.
+absl::Status BeginBounded(Session& session);
+
 // Makes the written snapshot, of which all `parts` must be there, the newest. Generations before
 // the newest that have more than `history_bytes` together become leftovers, the oldest first; the
 // last of them is always kept. O(generations). ABORTED if the belief is wrong.
