@@ -21,8 +21,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "dynmesh/codec/service_error.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "proto/codec/status_codec.h"
 
 namespace dynmesh::client {
 

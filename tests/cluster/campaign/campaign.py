@@ -34,6 +34,7 @@ class Campaign:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         self.folder = pathlib.Path(arguments.folder)
+        self.lasts = arguments.lasts
         self.chance = random.Random(arguments.seed)
         self.cluster = Cluster(self.folder, pathlib.Path(arguments.program))
         self.work = Workload([node.address for node in self.cluster.nodes], arguments.pause)
@@ -42,7 +43,7 @@ class Campaign:
         self.wrong: list[str] = []
 
     def run_kind(self, name: str, count: int) -> None:
-        kind = KINDS[name](self.cluster, self.work, self.chance, self.folder)
+        kind = KINDS[name](self.cluster, self.work, self.chance, self.folder, self.lasts)
         seconds: list[float] = []
         figures: dict[str, list[float]] = {}
         acknowledged = self.work.acknowledged()
@@ -70,7 +71,8 @@ class Campaign:
             "max": round(quantile(seconds, 1), 3),
             "acknowledged": self.work.acknowledged() - acknowledged,
             "reads": self.work.count.of("reads") + self.work.count.of("probes") - reads}
-        for what, now, then in zip(("lost", "double", "stale", "wrong_hashes"), self._judged(), before):
+        for what, now, then in zip(("lost", "double", "stale", "wrong_hashes"),
+                                   self._judged(), before):
             line[what] = now - then
         line["errors"] = len(reached)
         for figure, values in figures.items():
@@ -78,8 +80,8 @@ class Campaign:
                             "p99": quantile(values, 0.99), "max": quantile(values, 1)}
         self.summary.append(line)
         tell(line)
-        for error in reached[:5]:
-            print(f"  an error reached a client: {error}", flush=True)
+        for told in reached[:5]:
+            print(f"  an error reached a client: {told}", flush=True)
         if name in LIMITS and line["p99"] > LIMITS[name]:
             self.wrong.append(f"{name}: p99 is {line['p99']} s, asked were {LIMITS[name]}")
         if name in WITHOUT_ERRORS and reached:

@@ -97,7 +97,7 @@ class Database:
                 self._command("postgres", "-D", self._folder / "data", *words),
                 stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd="/")
 
-    def signal(self, how: signal.Signals) -> None:
+    def send(self, how: signal.Signals) -> None:
         """To all its processes."""
         assert self._process is not None
         for pid in family_of(self._process.pid):
@@ -152,7 +152,8 @@ class Databases:
         wait_until("the primary", self.primary.answers)
         # All are named, so that the list is right after a promotion. It is copied, and in force
         # when there are standbys.
-        self.primary.sql(f"ALTER SYSTEM SET synchronous_standby_names = 'ANY 1 ({', '.join(NAMES)})'")
+        self.primary.sql(
+            f"ALTER SYSTEM SET synchronous_standby_names = 'ANY 1 ({', '.join(NAMES)})'")
         for standby in self.standbys:
             standby.copy(self.primary)
             standby.start(self.primary)

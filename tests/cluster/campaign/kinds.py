@@ -14,7 +14,6 @@ from network import Pair, both_ways
 from nodes import Cluster, Node
 from workload import Workload
 
-LASTS = 10.0  # seconds, of a stop or of a network without packets
 FAKETIME = pathlib.Path("/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1")
 
 
@@ -24,8 +23,9 @@ class Kind:
     count = 5  # by default
 
     def __init__(self, cluster: Cluster, work: Workload, chance: random.Random,
-                 folder: pathlib.Path) -> None:
+                 folder: pathlib.Path, lasts: float) -> None:
         self.cluster = cluster
+        self.lasts = lasts  # seconds, of a stop or of a network without packets
         self.work = work
         self.chance = chance
         self.folder = folder
@@ -70,11 +70,11 @@ class Stop(Kind):
     def fault(self) -> None:
         node = self.owner()
         logged = node.log_size()
-        node.signal(signal.SIGSTOP)
+        node.send(signal.SIGSTOP)
         try:
-            self.wait_and_see(LASTS)
+            self.wait_and_see(self.lasts)
         finally:
-            node.signal(signal.SIGCONT)
+            node.send(signal.SIGCONT)
         time.sleep(1)
         self.figures["disowned"] = node.count("mesh_disowned", logged)
 
@@ -91,7 +91,7 @@ class Partition(Kind):
         pairs = self.pairs(self.owner())
         self.cluster.network.cut(pairs)
         try:
-            self.wait_and_see(LASTS)
+            self.wait_and_see(self.lasts)
         finally:
             self.cluster.network.heal()
 
@@ -115,7 +115,7 @@ class Flap(Partition):
 
     def fault(self) -> None:
         pairs = self.pairs(self.owner())
-        for _ in range(int(LASTS / 2)):
+        for _ in range(int(self.lasts / 2)):
             self.cluster.network.cut(pairs)
             time.sleep(1)
             self.cluster.network.heal()
@@ -187,7 +187,7 @@ class Cancel(Kind):
     def fault(self) -> None:
         databases = self.cluster.databases
         for standby in databases.standbys:
-            standby.signal(signal.SIGSTOP)
+            standby.send(signal.SIGSTOP)
         try:
             cancelled = 0
             for _ in range(4):
@@ -198,7 +198,7 @@ class Cancel(Kind):
             self.figures["cancelled"] = cancelled
         finally:
             for standby in databases.standbys:
-                standby.signal(signal.SIGCONT)
+                standby.send(signal.SIGCONT)
 
 
 class Drain(Kind):
@@ -240,8 +240,8 @@ class Clock(Kind):
             self.cluster.wait_until_steady()
             ahead = node.clock() - time.time()
             if abs(ahead - float(offset)) > 60:
-                raise RuntimeError(f"the clock of node {node.name} is {ahead} s ahead: {offset} was "
-                                   "asked for")
+                raise RuntimeError(
+                    f"the clock of node {node.name} is {ahead} s ahead, not {offset}")
 
     def _file(self, node: Node) -> pathlib.Path:
         return self.folder / f"clock-{node.name}"
@@ -285,7 +285,7 @@ class Latency(Kind):
 
     def fault(self) -> None:
         before = self.cluster.owners()
-        time.sleep(LASTS)
+        time.sleep(self.lasts)
         self.figures["moved"] = sum(
             owner != before[mesh] for mesh, owner in self.cluster.owners().items())
 

@@ -46,7 +46,7 @@ class Node:
             return self._port_file.exists() and self._port_file.read_text() != ""
         wait_until(f"node {self.name}", serves)
 
-    def signal(self, how: signal.Signals) -> None:
+    def send(self, how: signal.Signals) -> None:
         assert self._process is not None
         self._process.send_signal(how)
 
@@ -110,11 +110,12 @@ class Cluster:
     def is_steady(self) -> bool:
         """All nodes renew their leases, each mesh has one, and another node that follows it."""
         return self.databases.sql(
-            "SELECT (SELECT count(DISTINCT address) FROM dynmesh.nodes WHERE seen > "
-            f"clock_timestamp() - interval '{LEASE} s') = {len(self.nodes)} AND NOT EXISTS (SELECT "
-            "FROM dynmesh.meshes AS m WHERE m.lease_until < clock_timestamp() OR NOT EXISTS (SELECT "
-            "FROM dynmesh.followers AS f JOIN dynmesh.nodes AS n ON n.id = f.node WHERE f.mesh = "
-            f"m.key AND f.is_warm AND f.node <> m.owner AND n.seen > clock_timestamp() - interval '{LEASE} s'))"
+            "WITH live AS (SELECT id, address FROM dynmesh.nodes WHERE seen > "
+            f"clock_timestamp() - interval '{LEASE} s') "
+            f"SELECT (SELECT count(DISTINCT address) FROM live) = {len(self.nodes)} "
+            "AND NOT EXISTS (SELECT FROM dynmesh.meshes AS m WHERE m.lease_until < "
+            "clock_timestamp() OR NOT EXISTS (SELECT FROM dynmesh.followers AS f JOIN live ON "
+            "live.id = f.node WHERE f.mesh = m.key AND f.is_warm AND f.node <> m.owner))"
         ) == "t"
 
     def wait_until_steady(self) -> None:
