@@ -121,7 +121,7 @@ class GrpcDiffStream final : public DiffStream {
       }
     }
     if (!broken.ok()) context.TryCancel();
-    const absl::Status status = codec::FromGrpcStatus(stream->Finish());
+    const absl::Status status = UnlessCancelledHere(codec::FromGrpcStatus(stream->Finish()));
     stub_->Learn(stub_->ReadKey(mesh_), *server, status, /*repeatable=*/true);
     const std::lock_guard lock(mutex_);
     context_ = nullptr;

@@ -1,5 +1,6 @@
 #include "dynmesh/client/edit_session.h"
 
+#include <atomic>
 #include <utility>
 
 #include "client/channel_internal.h"
@@ -68,10 +69,14 @@ class GrpcEditSession final : public EditSession {
 
   absl::Status Finish() override {
     finished_ = true;
-    return Learned(codec::FromGrpcStatus(stream_->Finish()));
+    const absl::Status status = codec::FromGrpcStatus(stream_->Finish());
+    return Learned(cancelled_ ? status : UnlessCancelledHere(status));
   }
 
-  void Cancel() override { context_.TryCancel(); }
+  void Cancel() override {
+    cancelled_ = true;
+    context_.TryCancel();
+  }
 
  private:
   // The next session goes to the mesh's server.
@@ -102,6 +107,7 @@ class GrpcEditSession final : public EditSession {
   std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
   bool named_ = false;
   bool finished_ = false;
+  std::atomic<bool> cancelled_{false};
   v1::EditBatch message_;  // used by the sender
   v1::MeshDiff answer_;    // used by the receiver
   ResultAssembler results_;

@@ -40,7 +40,8 @@ class Loader {
     std::thread receiver([this] { Receive(); });
     sender_.SendAll(source);
     receiver.join();
-    const absl::Status status = codec::FromGrpcStatus(stream_->Finish());
+    absl::Status status = codec::FromGrpcStatus(stream_->Finish());
+    if (!sender_.IsCancelled()) status = UnlessCancelledHere(std::move(status));
     // The next load goes to the mesh's server.
     stub_.Learn(mesh_, *server_, status, /*repeatable=*/false);
     if (!status.ok()) return status;

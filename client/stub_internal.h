@@ -22,8 +22,16 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "proto/codec/status_codec.h"
 
 namespace dynmesh::client {
+
+// The end of a call that was not cancelled here. A server that shuts down cancels the calls that
+// reach it before its clients have noticed: it is not available.
+inline absl::Status UnlessCancelledHere(absl::Status status) {
+  if (!absl::IsCancelled(status) || codec::GetServiceError(status).has_value()) return status;
+  return absl::UnavailableError("the server ended the call: it shuts down");
+}
 
 class Stub {
  public:
@@ -122,6 +130,7 @@ auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeo
     grpc::ClientContext context;
     Prepare(context, end - absl::Now(), redirects);
     auto result = run(*server->service, context);
+    if (absl::IsCancelled(StatusOf(result))) result = UnlessCancelledHere(StatusOf(result));
     const Next next = Learn(mesh, *server, StatusOf(result), repeatable);
     if (next == Next::kOver) return result;
     if (attempt >= (is_shared() ? kMostAttempts : kMostAttemptsOfOne)) return result;

@@ -228,7 +228,7 @@ void Stream::OnReadDone(bool ok) {
 
 void Stream::OnDone(const grpc::Status& status) {
   const std::shared_ptr<Follower> follower = follower_;
-  const absl::Status ended = codec::FromGrpcStatus(status);
+  const absl::Status ended = UnlessCancelledHere(codec::FromGrpcStatus(status));
   follower->Learn(*server_, ended);
   // Delete the stream before reporting its end: the receiver may drop the channel, and gRPC must
   // not release the last reference to it in one of its own threads.

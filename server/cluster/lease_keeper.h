@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "absl/status/status.h"
+#include "server/base/boot_time.h"
 #include "server/cluster/read_lease.h"
 
 namespace dynmesh::server {

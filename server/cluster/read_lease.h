@@ -13,9 +13,6 @@
 
 namespace dynmesh::server {
 
-// CLOCK_BOOTTIME.
-std::chrono::nanoseconds BootTime();
-
 class ReadLease {
  public:
   // `ttl` > 0: as of the lease in the database. A fifth of it is left out: the clocks of the server

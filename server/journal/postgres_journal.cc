@@ -69,7 +69,7 @@ void WarnOfUnsafeSettings(Session& session, const std::string& name) {
 
 // With leases another server can have the mesh of one that stopped after about this time.
 absl::Duration BetweenStatements(const PostgresOptions& options) {
-  if (options.lease == absl::ZeroDuration()) return absl::ZeroDuration();
+  if (options.lease == absl::ZeroDuration()) return absl::Minutes(1);
   return std::max(options.lease, absl::Milliseconds(500));
 }
 

@@ -1,15 +1,19 @@
 #include "server/journal/postgres_leases.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "server/base/boot_time.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
 namespace {
+
+constexpr int kMostClaims = 20;
 
 // Which additions are missing: the first table and the column, the index, the second table.
 constexpr char kMissing[] =
@@ -47,7 +51,8 @@ SELECT key FROM mine ORDER BY key)";
 constexpr char kLive[] = R"(
 SELECT convert_to(id, 'UTF8'), convert_to(address, 'UTF8') FROM dynmesh.nodes
 WHERE seen > clock_timestamp() - $1::bigint * interval '1 microsecond' ORDER BY id)";
-// If a concurrent claim changed the row, the condition is evaluated again on what it left.
+// If a concurrent claim changed the row, the condition is evaluated again on what it left. If the
+// row was only locked, the end of the lease is that of before the wait for the lock: see ClaimFree.
 constexpr char kClaimFree[] = R"(
 UPDATE dynmesh.meshes SET epoch = epoch + 1, owner = $2::text,
   lease_until = clock_timestamp() + $3::bigint * interval '1 microsecond'
@@ -66,15 +71,13 @@ FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner WHERE m.
   "CASE WHEN m.lease_until = '-infinity' THEN 0 "                                   \
   "ELSE (extract(epoch FROM m.lease_until - clock_timestamp()) * 1000000)::bigint " \
   "END, " followers "FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner "
-constexpr char
-    kLocate[] =
-        DYNMESH_PLACES(
-            "(SELECT convert_to(coalesce(string_agg(w.address, ' ' ORDER BY w.address), ''), "
-            "'UTF8') "
-            "FROM dynmesh.followers AS f JOIN dynmesh.nodes AS w ON w.id = f.node WHERE f.mesh = "
-            "m.key "
-            "AND f.is_warm AND w.seen > clock_timestamp() - $3::bigint * interval '1 "
-            "microsecond') ") "WHERE m.id = $2::text";
+constexpr char kLocate[] = DYNMESH_PLACES(
+    "(SELECT convert_to(coalesce(string_agg(w.address, ' ' ORDER BY w.address), ''), "
+    "'UTF8') "
+    "FROM dynmesh.followers AS f JOIN dynmesh.nodes AS w ON w.id = f.node WHERE f.mesh = "
+    "m.key "
+    "AND f.is_warm AND w.seen > clock_timestamp() - $3::bigint * interval '1 "
+    "microsecond') ") "WHERE m.id = $2::text";
 constexpr char kLocateAll[] =
     DYNMESH_PLACES("''::bytea ") "WHERE m.id > $2::text ORDER BY m.id LIMIT $3::bigint";
 #undef DYNMESH_PLACES
@@ -192,14 +195,22 @@ absl::StatusOr<std::vector<Node>> LiveNodes(Session& session, absl::Duration ttl
 FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node,
                     absl::Duration ttl) {
   FreeClaim claim;
-  const Answer taken =
-      session.Run(kClaimFree, mesh, node, std::int64_t{absl::ToInt64Microseconds(ttl)});
-  claim.status = taken.status;
-  claim.unknown = taken.unknown;
-  if (!taken.status.ok()) return claim;
-  if (!taken.empty()) {
-    claim.belief = {taken.Integer(0, 0), taken.Integer(0, 1), taken.Integer(0, 2)};
-    return claim;
+  for (int attempt = 1;; ++attempt) {
+    const std::chrono::nanoseconds sent = BootTime();
+    const Answer taken =
+        session.Run(kClaimFree, mesh, node, std::int64_t{absl::ToInt64Microseconds(ttl)});
+    claim.status = taken.status;
+    claim.unknown = taken.unknown;
+    if (!taken.status.ok()) return claim;
+    if (taken.empty()) break;
+    if (BootTime() - sent <= absl::ToChronoNanoseconds(ttl / 10)) {
+      claim.belief = {taken.Integer(0, 0), taken.Integer(0, 1), taken.Integer(0, 2)};
+      return claim;
+    }
+    if (attempt == kMostClaims) {
+      claim.status = absl::UnavailableError("the database takes too long to grant a lease");
+      return claim;
+    }
   }
   const Answer holder = session.Run(kHolder, mesh);
   claim.status = holder.status;

@@ -62,6 +62,10 @@ absl::StatusOr<std::vector<Node>> LiveNodes(Session& session, absl::Duration ttl
 
 // Makes the node the owner of the mesh, with a new epoch and a lease of `ttl`, unless another one
 // has a lease that has not run out. Of several claims at once one is granted.
+//
+// The lease counts from the sending at the earliest. A claim whose answer took longer than a tenth
+// of `ttl`, as it waited for a lock, is made again: its lease may have run out, and the node would
+// answer reads by its own last renewal, beside the next owner. UNAVAILABLE after many such claims.
 FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node,
                     absl::Duration ttl);
 

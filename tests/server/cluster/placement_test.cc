@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/boot_time.h"
 #include "server/cluster/read_lease.h"
 
 namespace dynmesh::server {

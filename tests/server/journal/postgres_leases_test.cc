@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "server/journal/postgres_target.h"
 #include "tests/server/journal/postgres_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -149,6 +151,23 @@ TEST_F(PostgresLeasesTest, OfManyClaimsAtOnceOneIsGranted) {
     EXPECT_EQ(held, kThreads - 1);
   }
   EXPECT_EQ(Sql("SELECT epoch FROM dynmesh.meshes"), absl::StrCat(kRounds + 1));
+}
+
+TEST_F(PostgresLeasesTest, AClaimThatWaitedForALockHasAWholeLease) {
+  constexpr absl::Duration kShort = absl::Seconds(2);
+  const auto other = Connect();
+  ASSERT_TRUE(other->Execute("BEGIN; SELECT 1 FROM dynmesh.meshes FOR UPDATE").status.ok());
+  FreeClaim claim;
+  std::thread claiming([&] { claim = ClaimFree(*session_, key_, "a", kShort); });
+  test::WaitUntil("a claim that waits",
+                  [&] { return Sql("SELECT count(*) FROM pg_locks WHERE NOT granted") == "1"; });
+  absl::SleepFor(2 * kShort);
+  EXPECT_TRUE(other->Execute("COMMIT").status.ok());
+  claiming.join();
+  ASSERT_TRUE(claim.status.ok()) << claim.status;
+  EXPECT_FALSE(claim.held);
+  EXPECT_EQ(Sql("SELECT lease_until > clock_timestamp() FROM dynmesh.meshes"), "t");
+  EXPECT_EQ(Sql("SELECT epoch FROM dynmesh.meshes"), absl::StrCat(claim.belief.epoch));
 }
 
 TEST_F(PostgresLeasesTest, NodesThatAreGoneForADayAreForgotten) {

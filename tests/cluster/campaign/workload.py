@@ -1,0 +1,258 @@
+"""Meshes that are written to without end, and clients that read and watch them meanwhile."""
+from __future__ import annotations
+
+import functools
+import threading
+import time
+from typing import Any, Optional
+
+import dynmesh
+import grpc
+from dynmesh import _batch
+
+# The steps of golden sequences in two and three dimensions: no two points that are kept are close.
+STEPS = {2: (0.7548776662466927, 0.5698402909980532),
+         3: (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)}
+KEPT = {2: 60, 3: 25}  # points
+# Errors after which a batch is sent again, with its request id.
+REPEATED = ("UNAVAILABLE", "DEADLINE_EXCEEDED", "UNKNOWN", "CANCELLED")
+
+
+class Writer(threading.Thread):
+    """Writes batch after batch to a mesh of its own, each with a request id, and again until it is
+    acknowledged. Batch k makes revision k."""
+
+    def __init__(self, name: str, dimension: int, addresses: str, pause: float) -> None:
+        super().__init__(daemon=True)
+        self.mesh = name
+        self.dimension = dimension
+        self.acknowledged = 0
+        self.times: list[float] = [time.monotonic()]  # of batch k
+        self.errors: list[str] = []  # that reached this client of the library
+        self.trouble = ""
+        self._pause = pause
+        self._server = dynmesh.connect(addresses, retry_for=1e9)
+        self._server.create(name, dimension=dimension, box=[[0] * dimension, [1] * dimension])
+        self._may_write = threading.Event()
+        self._may_write.set()
+        self._is_idle = threading.Event()
+
+    def point(self, number: int) -> list[float]:
+        return [0.05 + 0.9 * (number * step % 1.0) for step in STEPS[self.dimension]]
+
+    def features_after(self, batches: int) -> dict[str, Any]:
+        first = max(1, batches - KEPT[self.dimension] + 1)
+        return {"add_points": {k: self.point(k) for k in range(first, batches + 1)}}
+
+    def _edits(self, number: int) -> dict[str, Any]:
+        edits: dict[str, Any] = {"add_points": {number: self.point(number)}}
+        if number > KEPT[self.dimension]:
+            edits["remove"] = [number - KEPT[self.dimension]]
+        return edits
+
+    def run(self) -> None:
+        while not self.trouble:
+            if not self._may_write.is_set():
+                self._is_idle.set()
+                self._may_write.wait()
+                self._is_idle.clear()
+                self.times[-1] = time.monotonic()  # the pause was asked for
+            self._write(self.acknowledged + 1)
+            time.sleep(self._pause)
+
+    def _write(self, number: int) -> None:
+        batch = _batch.make(self.dimension, self._edits(number))
+        while True:
+            try:
+                diff = self._server.call(
+                    lambda client: client.apply(self.mesh, batch, f"w-{number}", None, False))
+                break
+            except dynmesh.errors.DynmeshError as error:
+                self.errors.append(f"{self.mesh} batch {number}: {error.code}: {error}")
+                if error.code not in REPEATED:
+                    self.trouble = self.errors[-1]
+                    return
+                time.sleep(0.1)
+        if diff.to_revision != number:
+            self.trouble = f"{self.mesh}: batch {number} made revision {diff.to_revision}"
+        self.times.append(time.monotonic())
+        self.acknowledged = number
+
+    def hold(self) -> None:
+        """Waits for the batch under way, and writes none after it until `go_on`."""
+        self._is_idle.clear()
+        self._may_write.clear()
+
+    def is_held(self) -> bool:
+        return self._is_idle.is_set() or self.trouble != ""
+
+    def go_on(self) -> None:
+        self._may_write.set()
+
+    def longest_pause(self, begin: float, end: float) -> float:
+        """The longest time between two acknowledged batches, of those that overlap."""
+        times = list(self.times)
+        longest = 0.0
+        for before, after in zip(times, times[1:]):
+            if after >= begin and before <= end:
+                longest = max(longest, after - before)
+        return longest
+
+
+class Count:
+    """Numbers that several threads add to."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._numbers: dict[str, int] = {}
+        self.notes: list[str] = []
+
+    def add(self, name: str, note: str = "") -> None:
+        with self._lock:
+            self._numbers[name] = self._numbers.get(name, 0) + 1
+            if note and len(self.notes) < 100:
+                self.notes.append(f"{name}: {note}")
+
+    def of(self, name: str) -> int:
+        with self._lock:
+            return self._numbers.get(name, 0)
+
+
+class Reader(threading.Thread):
+    """Reads a mesh by the library. A read that begins after a batch was acknowledged has it."""
+
+    def __init__(self, writer: Writer, addresses: str, count: Count) -> None:
+        super().__init__(daemon=True)
+        self._writer = writer
+        self._count = count
+        self._server = dynmesh.connect(addresses, retry_for=1e9)
+
+    def run(self) -> None:
+        while True:
+            known = self._writer.acknowledged
+            try:
+                found = self._server.call(lambda client: client.get(self._writer.mesh))["revision"]
+            except dynmesh.errors.DynmeshError as error:
+                self._count.add("read_errors", f"{error.code}: {error}")
+            else:
+                self._count.add("reads")
+                if found < known:
+                    self._count.add("stale", f"{self._writer.mesh}: {found} after {known}")
+            time.sleep(0.1)
+
+
+def _varint(data: bytes, at: int) -> tuple[int, int]:
+    value = shift = 0
+    while True:
+        value |= (data[at] & 0x7f) << shift
+        at, shift = at + 1, shift + 7
+        if data[at - 1] < 0x80:
+            return value, at
+
+
+def _revision(data: bytes) -> int:
+    """Field 4 of the message Mesh."""
+    at = 0
+    while at < len(data):
+        tag, at = _varint(data, at)
+        value, at = _varint(data, at)
+        if tag == 4 << 3:
+            return value
+        if tag & 7 == 2:
+            at += value
+    return 0
+
+
+class Prober(threading.Thread):
+    """Asks one node for all meshes, whether it has them or not, and does not wait for answers.
+
+    So some reads arrive at a node just before and while it is stopped or cut off. It may refuse
+    them; what it answers must not be old.
+    """
+
+    def __init__(self, writers: list[Writer], address: str, count: Count) -> None:
+        super().__init__(daemon=True)
+        self._writers = writers
+        self._count = count
+        self._channel = grpc.insecure_channel(address, options=[
+            ("grpc.use_local_subchannel_pool", 1), ("grpc.initial_reconnect_backoff_ms", 200),
+            ("grpc.max_reconnect_backoff_ms", 500)])
+        self._get = self._channel.unary_unary("/dynmesh.v1.MeshService/GetMesh",
+                                              response_deserializer=_revision)
+
+    def run(self) -> None:
+        while True:
+            for writer in self._writers:
+                name = f"meshes/{writer.mesh}".encode()
+                known = writer.acknowledged  # before the call begins
+                call = self._get.future(bytes([10, len(name)]) + name, timeout=15,
+                                        metadata=(("dynmesh-redirects", "0"),))
+                call.add_done_callback(functools.partial(self._judge, writer.mesh, known))
+            time.sleep(0.25)
+
+    def _judge(self, mesh: str, known: int, call: Any) -> None:
+        if call.code() != grpc.StatusCode.OK:
+            self._count.add("probes_refused")
+            return
+        self._count.add("probes")
+        if call.result() < known:
+            self._count.add("stale", f"{mesh}, by one node: {call.result()} after {known}")
+
+
+class Watcher(threading.Thread):
+    """A replica of the mesh. The library compares its hash with that of each revision."""
+
+    def __init__(self, mesh: str, addresses: str, from_followers: bool, count: Count) -> None:
+        super().__init__(daemon=True)
+        self._count = count
+        server = dynmesh.connect(addresses, retry_for=1e9, from_followers=from_followers)
+        self.mesh = server.mesh(mesh)
+        self.at: tuple[int, str] = (0, "")  # revision and hash
+
+    def run(self) -> None:
+        while True:
+            try:
+                for _ in self.mesh.follow():
+                    self.at = (self.mesh.revision, self.mesh.hash)
+            except dynmesh.errors.DataLoss as error:
+                self._count.add("wrong_hashes", str(error))
+                self.mesh.sync()
+            except dynmesh.errors.DynmeshError as error:
+                self._count.add("watch_errors", f"{error.code}: {error}")
+                time.sleep(0.1)
+
+
+class Workload:
+    """Meshes with a writer, a reader and two watchers each, and readers of single nodes."""
+
+    def __init__(self, nodes: list[str], pause: float) -> None:
+        self.count = Count()
+        # A mesh belongs to the node that is asked to make it: each node has some.
+        turned = [",".join(nodes[i:] + nodes[:i]) for i in range(len(nodes))]
+        kinds = (("m1", 2), ("m2", 2), ("m3", 2), ("s1", 3))
+        self.writers = [Writer(name, dimension, turned[i % len(nodes)], pause)
+                        for i, (name, dimension) in enumerate(kinds)]
+        self.watchers: dict[str, list[Watcher]] = {}
+        threads: list[threading.Thread] = list(self.writers)
+        for index, writer in enumerate(self.writers):
+            threads.append(Reader(writer, ",".join(nodes), self.count))
+            self.watchers[writer.mesh] = [
+                Watcher(writer.mesh, turned[(index + 1) % len(nodes)], from_followers, self.count)
+                for from_followers in (False, True)]
+            threads += self.watchers[writer.mesh]
+        threads += [Prober(self.writers, node, self.count) for node in nodes]
+        for thread in threads:
+            thread.start()
+
+    def of(self, meshes: Optional[set[str]]) -> list[Writer]:
+        """The writers of these meshes; None: all."""
+        return [writer for writer in self.writers if meshes is None or writer.mesh in meshes]
+
+    def errors(self) -> list[str]:
+        return [error for writer in self.writers for error in list(writer.errors)]
+
+    def trouble(self) -> list[str]:
+        return [writer.trouble for writer in self.writers if writer.trouble]
+
+    def acknowledged(self) -> int:
+        return sum(writer.acknowledged for writer in self.writers)
