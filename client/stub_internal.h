@@ -27,10 +27,12 @@
 namespace dynmesh::client {
 
 // The end of a call that was not cancelled here. A server that shuts down cancels the calls that
-// reach it before its clients have noticed: it is not available.
+// reach it before its clients have noticed: it is not available. It cancels streams, too, whose
+// token lost the right that they need: the next attempt tells that.
 inline absl::Status UnlessCancelledHere(absl::Status status) {
   if (!absl::IsCancelled(status) || codec::GetServiceError(status).has_value()) return status;
-  return absl::UnavailableError("the server ended the call: it shuts down");
+  return absl::UnavailableError(
+      "the server ended the call: it shuts down, or the token lost the right to it");
 }
 
 class Stub {

@@ -433,7 +433,8 @@ TEST_F(TokenTest, TakingATokenOutEndsItsStreamsAndNoOthers) {
   ASSERT_TRUE(goes->WaitForRevision(1, kLong));
   Tokens({Line("root", "admin=*")});  // the ticker sees it
   EXPECT_FALSE(edits->Receive().has_value());
-  EXPECT_EQ(edits->Finish().code(), StatusCode::kCancelled);
+  EXPECT_EQ(edits->Finish().code(), StatusCode::kUnavailable);
+  EXPECT_EQ(ReasonOf(lab->OpenEdits("m")->Finish()), codec::reason::kTokenUnknown);
   goes->WaitFor([](const auto&) { return false; }, kLong);
   ASSERT_TRUE(goes->ended().has_value());
   EXPECT_EQ(ReasonOf(*goes->ended()), codec::reason::kTokenUnknown);

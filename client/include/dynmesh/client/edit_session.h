@@ -72,8 +72,9 @@ class EditSession {
   // Waits for the answer to the next batch, in the order sent; nothing if the stream has ended.
   virtual std::optional<Answer> Receive() = 0;
   // The status with which the stream ended. Call it after Receive has returned nothing. CANCELLED
-  // after Cancel; DEADLINE_EXCEEDED (BATCH_INCOMPLETE) if no batch was sent for too long after
-  // opening; else as of MeshClient.
+  // after Cancel; UNAVAILABLE if the server ended it, as it shuts down or the token lost the right;
+  // DEADLINE_EXCEEDED (BATCH_INCOMPLETE) if no batch was sent for too long after opening; else as
+  // of MeshClient.
   virtual absl::Status Finish() = 0;
   // Ends the stream from any thread. Batches that the server has not applied change nothing.
   virtual void Cancel() = 0;
