@@ -4,12 +4,10 @@
 // DYNMESH_CLUSTER_KILLS: how often (tests/cluster/run); default: a few times. The times until a
 // mesh is written again are printed, not judged.
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <random>
 #include <thread>
 
-#include "absl/strings/numbers.h"
 #include "tests/cluster/writer.h"
 #include "tests/e2e/killed_clients.h"
 

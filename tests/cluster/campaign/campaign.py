@@ -12,7 +12,6 @@ import time
 import traceback
 from typing import Any
 
-from databases import wait_until
 from judge import Judge
 from kinds import KINDS, LIMITS, WITHOUT_ERRORS, Kind
 from network import run
@@ -99,10 +98,7 @@ class Campaign:
         begin = time.monotonic()
         kind.fault()
         end = time.monotonic()
-        known = [writer.acknowledged for writer in self.work.writers]
-        wait_until("a batch of each writer after the fault", lambda: all(
-            writer.acknowledged > before + 1 or writer.trouble
-            for writer, before in zip(self.work.writers, known)), 120)
+        self.work.wait_for_batches("after the fault", 120)
         pauses = {writer.mesh: round(writer.longest_pause(begin, end), 3)
                   for writer in self.work.of(kind.meshes)}
         self.judge.judge(f"{name} {number}")

@@ -9,7 +9,7 @@ import sys
 import time
 from typing import Any, Optional
 
-from databases import wait_until
+from databases import PATIENCE
 from network import Pair, both_ways
 from nodes import Cluster, Node
 from workload import Workload
@@ -60,6 +60,18 @@ class Kind:
                     taken = round(time.monotonic() - begin, 3)
             time.sleep(min(0.2, seconds - now))
         self.figures["taken_over_after"] = taken
+
+    def note_moved(self, before: dict[str, tuple[str, int]]) -> None:
+        """How many meshes have another owner or epoch than then."""
+        self.figures["moved"] = sum(
+            owner != before[mesh] for mesh, owner in self.cluster.owners().items())
+
+    def restart_all(self, journal: str) -> None:
+        """One node after the other, with that journal."""
+        for node in self.cluster.nodes:
+            node.drain()
+            node.start(journal)
+            self.cluster.wait_until_steady()
 
 
 class Stop(Kind):
@@ -148,10 +160,7 @@ class Primary(Kind):
         decided = time.monotonic()
         former = databases.promote()
         promoted = time.monotonic()
-        known = [writer.acknowledged for writer in self.work.writers]
-        wait_until("a batch of each writer at the new primary", lambda: all(
-            writer.acknowledged > before + 1 or writer.trouble
-            for writer, before in zip(self.work.writers, known)))
+        known = self.work.wait_for_batches("at the new primary", PATIENCE)
         self.figures["promotion"] = round(promoted - decided, 3)
         self.figures["after_promotion"] = round(
             max(writer.times[before + 1] for writer, before in zip(self.work.writers, known))
@@ -254,14 +263,10 @@ class Clock(Kind):
         for offset in ("+3600", "-1800", "+86400", "+0"):
             self._set(self.cluster.nodes[2], offset)
             time.sleep(2)
-        self.figures["moved"] = sum(
-            owner != before[mesh] for mesh, owner in self.cluster.owners().items())
+        self.note_moved(before)
 
     def take_down(self) -> None:
-        for node in self.cluster.nodes:
-            node.drain()
-            node.start(self.cluster.databases.url)
-            self.cluster.wait_until_steady()
+        self.restart_all(self.cluster.databases.url)
 
 
 class Latency(Kind):
@@ -278,22 +283,15 @@ class Latency(Kind):
              self.chance.randrange(2**32), *words]))
         hosts = ",".join(f"{box.address}:{port}" for port in (5001, 5002, 5003))
         time.sleep(1)
-        for node in self.cluster.nodes:
-            node.drain()
-            node.start(f"postgresql://postgres@{hosts}/postgres")
-            self.cluster.wait_until_steady()
+        self.restart_all(f"postgresql://postgres@{hosts}/postgres")
 
     def fault(self) -> None:
         before = self.cluster.owners()
         time.sleep(self.lasts)
-        self.figures["moved"] = sum(
-            owner != before[mesh] for mesh, owner in self.cluster.owners().items())
+        self.note_moved(before)
 
     def take_down(self) -> None:
-        for node in self.cluster.nodes:
-            node.drain()
-            node.start(self.cluster.databases.url)
-            self.cluster.wait_until_steady()
+        self.restart_all(self.cluster.databases.url)
         assert self._relay is not None
         self._relay.kill()
 

@@ -8,6 +8,7 @@ from typing import Any, Optional
 
 import dynmesh
 import grpc
+from databases import wait_until
 from dynmesh import _batch
 
 # The steps of golden sequences in two and three dimensions: no two points that are kept are close.
@@ -247,6 +248,15 @@ class Workload:
     def of(self, meshes: Optional[set[str]]) -> list[Writer]:
         """The writers of these meshes; None: all."""
         return [writer for writer in self.writers if meshes is None or writer.mesh in meshes]
+
+    def wait_for_batches(self, where: str, patience: float) -> list[int]:
+        """Until each writer has begun a batch and got its answer. Returns what was acknowledged
+        before, by writer."""
+        known = [writer.acknowledged for writer in self.writers]
+        wait_until(f"a batch of each writer {where}", lambda: all(
+            writer.acknowledged > before + 1 or writer.trouble
+            for writer, before in zip(self.writers, known)), patience)
+        return known
 
     def errors(self) -> list[str]:
         return [error for writer in self.writers for error in list(writer.errors)]
