@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <string>
 #include <string_view>
@@ -23,6 +24,7 @@
 #include "server/base/log.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
+#include "tests/e2e/many_meshes.h"
 #include "tests/e2e/raw_watchers.h"
 
 namespace dynmesh {
@@ -37,12 +39,15 @@ constexpr char kHelp[] =
     "POINTS is the size of the mesh to work on, 1 to 10000000 (default 20000).\n"
     "With a journal: --data-dir for the server in this process, or a server that has one.\n"
     "PARTs are overhead, edits, stream, requests (edits and stream with and without request ids,\n"
-    "in turn), watchers, fanout (200 watchers that read bytes and hold no mesh), silent and\n"
-    "snapshot (default all).\n"
+    "in turn), watchers, fanout (200 watchers that read bytes and hold no mesh), silent, snapshot\n"
+    "and meshes (64 of POINTS / 64 points, edited at once, in 2D and in 3D). Default: all.\n"
+    "With --server=ADDRESS,ADDRESS... of servers that share their meshes: edits, stream, requests\n"
+    "and meshes.\n"
     "An edit adds a point anywhere or removes one added before; one a batch.\n";
 constexpr std::size_t kMostPoints = 10'000'000;
-constexpr std::array<std::string_view, 8> kParts = {"overhead", "edits",  "stream", "requests",
-                                                    "watchers", "fanout", "silent", "snapshot"};
+constexpr std::array<std::string_view, 9> kParts = {"overhead", "edits",    "stream",
+                                                    "requests", "watchers", "fanout",
+                                                    "silent",   "snapshot", "meshes"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -101,6 +106,7 @@ class Load {
     }
     if (wants("silent")) SilentWatcher();
     if (wants("snapshot")) Snapshot();
+    if (wants("meshes")) ManyMeshes();
   }
 
  private:
@@ -154,10 +160,10 @@ class Load {
       applies.push_back(result->diff.work.microseconds);
     }
     std::printf(
-        "1000 single ApplyEdits: p50 %.0f us, p99 %.0f us; in the library p50 %.0f us, "
-        "p99 %.0f us\n",
-        Percentile(trips, 0.5), Percentile(trips, 0.99), Percentile(applies, 0.5),
-        Percentile(applies, 0.99));
+        "1000 single ApplyEdits: %.0f edits/s; p50 %.0f us, p99 %.0f us; in the library p50 %.0f "
+        "us, p99 %.0f us\n",
+        1e9 / std::accumulate(trips.begin(), trips.end(), 0.0), Percentile(trips, 0.5),
+        Percentile(trips, 0.99), Percentile(applies, 0.5), Percentile(applies, 0.99));
   }
 
   double StreamEdits(int count, bool with_ids = false) {
@@ -313,6 +319,22 @@ class Load {
                 Microseconds(Clock::now() - start) / 1000);
   }
 
+  void ManyMeshes() {
+    constexpr int kMeshes = 64;
+    const std::size_t points = std::max<std::size_t>(points_ / kMeshes, 1);
+    for (const int dimension : {2, 3}) {
+      const int edits = dimension == 2 ? 1'000 : 20;
+      std::vector<double> rates;
+      for (int run = 0; run < 3; ++run) {
+        const auto rate = test::EditManyMeshes(address_, dimension, kMeshes, points, edits);
+        Check(rate.status());
+        rates.push_back(*rate);
+      }
+      std::printf("EditStreams to %d meshes of %zu points in %dD: %.0f single edits/s in all\n",
+                  kMeshes, points, dimension, Percentile(rates, 0.5));
+    }
+  }
+
   const std::size_t points_;
   std::string address_;
   FeatureId next_id_ = 1'000'000'000;
@@ -340,6 +362,7 @@ int main(int argc, char** argv) {
   using dynmesh::kMostPoints;
   using dynmesh::kParts;
   if (!dynmesh::server::SetLogLevel("error").ok()) return 1;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // figures are seen as they come
   std::vector<std::string> words(argv + 1, argv + argc);
   std::string address, data_dir;
   std::size_t points = 20'000;

@@ -35,8 +35,11 @@ class Campaign:
         self.folder = pathlib.Path(arguments.folder)
         self.lasts = arguments.lasts
         self.chance = random.Random(arguments.seed)
-        self.cluster = Cluster(self.folder, pathlib.Path(arguments.program))
-        self.work = Workload([node.address for node in self.cluster.nodes], arguments.pause)
+        # Snapshots come often, so that faults meet them.
+        self.cluster = Cluster(self.folder, pathlib.Path(arguments.program),
+                               ("--compact-bytes", 4000))
+        self.work = Workload([node.address for node in self.cluster.nodes], arguments.meshes,
+                             arguments.pause)
         self.judge = Judge(self.cluster, self.work)
         self.summary: list[dict[str, Any]] = []
         self.wrong: list[str] = []

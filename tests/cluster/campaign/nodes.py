@@ -6,7 +6,7 @@ import os
 import pathlib
 import signal
 import subprocess
-from typing import Mapping, Optional
+from typing import Iterable, Mapping, Optional
 
 from databases import PATIENCE, Databases, wait_until
 from network import Box, Network
@@ -18,7 +18,8 @@ PORT = 7878
 class Node:
     """A dynmeshd whose address outlives its process."""
 
-    def __init__(self, name: str, box: Box, folder: pathlib.Path, program: pathlib.Path) -> None:
+    def __init__(self, name: str, box: Box, folder: pathlib.Path, program: pathlib.Path,
+                 options: Iterable[object]) -> None:
         self.name = name
         self.host = box.address
         self.address = f"{box.address}:{PORT}"
@@ -26,6 +27,7 @@ class Node:
         self._log = folder / f"node-{name}.log"
         self._port_file = folder / f"node-{name}.port"
         self._program = program
+        self._options = tuple(options)
         self._process: Optional[subprocess.Popen[bytes]] = None
 
     def start(self, journal: str, environment: Optional[Mapping[str, str]] = None) -> None:
@@ -36,7 +38,7 @@ class Node:
                 self._box.command([
                     self._program, "--listen", self.address, "--insecure-listen",
                     "--node-address", self.host, "--journal", journal, "--lease", LEASE,
-                    "--compact-bytes", 4000, "--port-file", self._port_file]),
+                    "--port-file", self._port_file, *self._options]),
                 stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                 env={**os.environ, **(environment or {})})
 
@@ -79,12 +81,13 @@ class Node:
 
 
 class Cluster:
-    """The network with databases and nodes."""
+    """The network with databases and nodes, whose command line has the options."""
 
-    def __init__(self, folder: pathlib.Path, program: pathlib.Path) -> None:
+    def __init__(self, folder: pathlib.Path, program: pathlib.Path,
+                 options: Iterable[object] = ()) -> None:
         self.network = Network()
         self.databases = Databases(self.network, folder)
-        self.nodes = [Node(str(number), self.network.box(), folder, program)
+        self.nodes = [Node(str(number), self.network.box(), folder, program, options)
                       for number in (1, 2, 3)]
         for node in self.nodes:
             node.start(self.databases.url)

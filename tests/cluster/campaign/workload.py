@@ -91,13 +91,14 @@ class Writer(threading.Thread):
         self._may_write.set()
 
     def longest_pause(self, begin: float, end: float) -> float:
-        """The longest time between two acknowledged batches, of those that overlap."""
+        """The longest time between two acknowledged batches, of those that overlap, less the
+        writer's own pause."""
         times = list(self.times)
         longest = 0.0
         for before, after in zip(times, times[1:]):
             if after >= begin and before <= end:
                 longest = max(longest, after - before)
-        return longest
+        return max(longest - self._pause, 0.0)
 
 
 class Count:
@@ -224,15 +225,17 @@ class Watcher(threading.Thread):
 
 
 class Workload:
-    """Meshes with a writer, a reader and two watchers each, and readers of single nodes."""
+    """Meshes with a writer, a reader and two watchers each, and readers of single nodes.
 
-    def __init__(self, nodes: list[str], pause: float) -> None:
+    Every fourth of the `meshes` is in 3D.
+    """
+
+    def __init__(self, nodes: list[str], meshes: int, pause: float) -> None:
         self.count = Count()
         # A mesh belongs to the node that is asked to make it: each node has some.
         turned = [",".join(nodes[i:] + nodes[:i]) for i in range(len(nodes))]
-        kinds = (("m1", 2), ("m2", 2), ("m3", 2), ("s1", 3))
-        self.writers = [Writer(name, dimension, turned[i % len(nodes)], pause)
-                        for i, (name, dimension) in enumerate(kinds)]
+        self.writers = [Writer(f"m{i + 1}", 3 if i % 4 == 3 else 2, turned[i % len(nodes)], pause)
+                        for i in range(meshes)]
         self.watchers: dict[str, list[Watcher]] = {}
         threads: list[threading.Thread] = list(self.writers)
         for index, writer in enumerate(self.writers):
