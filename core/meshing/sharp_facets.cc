@@ -32,7 +32,8 @@ Vector3 Along(const Facet& facet, const Facet::Edge& edge) {
   return Along(facet.PositionOf(edge.first), facet.PositionOf(edge.second));
 }
 
-// From the edge over the facet's inside.
+// From the edge over the facet's inside. The same for both directions of the edge, unless it is so
+// flat there that `beside` rounds onto the edge.
 Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
   constexpr double kBeside = 0x1p-20;  // in lengths of the edge
   const Point3 &p = facet.PositionOf(edge.first), &q = facet.PositionOf(edge.second);
@@ -85,22 +86,39 @@ bool AnyLeansOver(const Facet& f, const Facet& g, VertexIndex corner) {
   });
 }
 
-// Of the places inside a facet, that with the nearest axis; of several the least. Near a corner
-// that is the axis that counts: about another one, places would come up that are near a shell, but
-// not on it.
+// Edges are sorted by the indices of their ends, which depend on former edits. What is computed
+// from an edge begins at the end with the lesser position: the same for all facets that have it.
+Facet::Edge FromTheLesserEnd(const Facet& facet, Facet::Edge edge) {
+  if (facet.PositionOf(edge.second) < facet.PositionOf(edge.first)) {
+    std::swap(edge.first, edge.second);
+  }
+  return edge;
+}
+
+// Of the places inside a facet, that with the nearest axis; of several the least place, then the
+// axis with the least ends. Near a corner that is the axis that counts: about another one, places
+// would come up that are near a shell, but not on it.
 class ByNearestAxis {
  public:
   explicit ByNearestAxis(const Facet& facet) : facet_(facet) {}
   // `d2`: the squared distance from the axis.
   void Offer(Counterpart x, double d2) {
     x.p = facet_.plane().Foot(x.p);
-    if (d2 > least_ || (d2 == least_ && !(x.p < found_->p)) || !facet_.IsInside(x.p)) return;
+    if (d2 > least_ || (d2 == least_ && !IsLess(x, *found_)) || !facet_.IsInside(x.p)) return;
     found_ = x;
     least_ = d2;
   }
   const std::optional<Counterpart>& found() const { return found_; }
 
  private:
+  bool IsLess(const Counterpart& x, const Counterpart& y) const {
+    if (!(x.p == y.p)) return x.p < y.p;
+    return EndsOf(x.axis) < EndsOf(y.axis);
+  }
+  std::pair<Point3, Point3> EndsOf(const Axis& axis) const {
+    return std::minmax(facet_.PositionOf(axis[0]), facet_.PositionOf(axis[1]));
+  }
+
   const Facet& facet_;
   std::optional<Counterpart> found_;
   double least_ = INFINITY;
@@ -140,7 +158,7 @@ bool LeansOver(const Vector3& u, const Facet& facet, VertexIndex corner) {
       for (std::size_t k = 0; k < 3; ++k) middle[k] = d[k] + e[k];
       if (facet.OpensTo(at, middle)) {
         if (to_d > between && to_e > between &&
-            (to_d - between) * (to_e - between) > kNarrower * (1 - to_d) * (1 - to_e)) {
+            (to_d - between) * (to_e - between) > kNarrower * ((1 - to_d) * (1 - to_e))) {
           return true;
         }
       } else {
@@ -159,8 +177,9 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const P
   AnyCommonEdge(own, to, [&](const Facet::Edge& edge) {
     const Vector3 inward = InwardOf(to, edge);
     if (!(Dot(InwardOf(own, edge), inward) > kMostCosine)) return false;
-    const Point3& end = to.PositionOf(edge.first);
-    const Vector3 d = Along(to, edge);
+    const Facet::Edge from = FromTheLesserEnd(to, edge);
+    const Point3& end = to.PositionOf(from.first);
+    const Vector3 d = Along(to, from);
     Vector3 off = Difference(p.c, end.c);
     const double along = Dot(off, d);
     for (std::size_t k = 0; k < 3; ++k) off[k] -= along * d[k];
@@ -173,13 +192,9 @@ std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const P
   return best.found();
 }
 
-// The end of the edge with the lesser position comes first: the same for all facets that have it.
 std::optional<PlaceOnLattice> OnLattice(const Facet& facet, const Axis& axis, const Point3& x,
                                         double step) {
-  Facet::Edge edge = {axis[0], axis[1]};
-  if (facet.PositionOf(edge.second) < facet.PositionOf(edge.first)) {
-    std::swap(edge.first, edge.second);
-  }
+  const Facet::Edge edge = FromTheLesserEnd(facet, {axis[0], axis[1]});
   const Point3& end = facet.PositionOf(edge.first);
   const double length = std::sqrt(geometry::SquaredDistance(end, facet.PositionOf(edge.second)));
   const Vector3 d = Along(facet, edge), inward = InwardOf(facet, edge);

@@ -19,7 +19,7 @@ namespace dynmesh::server::postgres {
 
 // The version of the schema; also counts changes of meshes' bits, as SQLite's does. 2: entries and
 // snapshots have labels of features, which an older dynmeshd would drop; the tables are those of 1.
-inline constexpr int kPostgresSchema = 2;
+inline constexpr int kPostgresSchema = 3;
 
 // Makes the tables in one transaction, or upgrades them, or checks that they are there; several
 // servers may start at once. FAILED_PRECONDITION for a newer version, and if the user may not make

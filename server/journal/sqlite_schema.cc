@@ -81,6 +81,8 @@ constexpr const char* kSteps[kJournalSchema] = {
     // mesh.
     "",
     // Entries and snapshots have labels of features. An older dynmeshd would drop them.
+    "",
+    // Bits 7.
     ""};
 
 // The SQL function row_sum(...): RowSumOf.

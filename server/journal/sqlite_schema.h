@@ -1,4 +1,4 @@
-// The tables of the journal in SQLite, and the upgrade from older versions. Schema 10:
+// The tables of the journal in SQLite, and the upgrade from older versions. Schema 11:
 //
 //   journal      one row: the journal's id, which is also in journal.heads (heads_file.h)
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -22,7 +22,7 @@
 namespace dynmesh::server {
 
 // The schema's number in the file.
-inline constexpr int kJournalSchema = 10;
+inline constexpr int kJournalSchema = 11;
 // From this schema on a journal has an id, a record of its heads, and the present tables.
 inline constexpr int kSchemaWithId = 3;
 

@@ -10,21 +10,6 @@
 namespace dynmesh::test {
 namespace {
 
-constexpr FeatureId kFar = 10'000'000;  // ids of what the edits bring
-
-FeatureId Id(int i) { return static_cast<FeatureId>(i); }
-
-// Adds the feature and takes it out again.
-void InAndOut(const Feature& feature, Scene& scene) {
-  scene.edits.push_back({Edit::Add(feature)});
-  scene.edits.push_back({Edit::Remove(feature.id)});
-}
-// Takes out the feature and puts it back.
-void OutAndIn(const Feature& feature, Scene& scene) {
-  scene.edits.push_back({Edit::Remove(feature.id)});
-  scene.edits.push_back({Edit::Add(feature)});
-}
-
 // The segment from (x0, y0) to (x1, y1), with ids 3i + 1 to 3i + 3.
 void AddSegment(int i, double x0, double y0, double x1, double y1, Scene& scene) {
   const FeatureId id = Id(3 * i + 1);
@@ -344,126 +329,36 @@ Scene ParallelLines(int n) {
   return scene;
 }
 
-Scene InSpace() {
-  Scene scene;
-  scene.options.dimension = 3;
-  scene.options.quality = kDefaultQuality3D;
-  return scene;
-}
-
-// The faces of a box; ids from `first` on.
-void AddBox(FeatureId first, const std::array<double, 3>& lo, const std::array<double, 3>& hi,
-            Scene& scene) {
-  for (FeatureId i = 0; i < 8; ++i) {
-    scene.features.push_back(Feature::Point(first + i, i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1],
-                                            i & 4 ? hi[2] : lo[2]));
-  }
-  constexpr FeatureId kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                      {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
-  for (FeatureId face = 0; face < 6; ++face) {
-    const auto& c = kFaces[face];
-    scene.features.push_back(Feature::Polygon(
-        first + 8 + face, {{first + c[0], first + c[1], first + c[2], first + c[3]}}));
-  }
-}
-
-// A box of thickness 1 / n; points in it and above it.
-Scene Slab(int n) {
-  Scene scene = InSpace();
-  scene.options.box = {{-1, -1, -1}, {2, 2, 2}};
-  const double t = 1.0 / n;
-  AddBox(1, {0, 0, 0}, {1, 1, t}, scene);
-  Random random(7);
-  for (const double height : {0.5 * t, 0.4 * t, 3 * t, 1.3 * t}) {
-    const double x = 0.2 + 0.6 * random.Unit();
-    InAndOut(Feature::Point(kFar, x, 0.2 + 0.6 * random.Unit(), height), scene);
-  }
-  return scene;
-}
-
-// Between two plates that are tilted a little, and so far apart.
-Scene TiltedPlates(int n) {
-  Scene scene = InSpace();
-  const double t = 0.5 / n;
-  for (const int plate : {0, 1}) {
-    const FeatureId first = Id(10 * plate + 1);
-    const double z = 0.3 + plate * t;
-    scene.features.push_back(Feature::Point(first, 0.2, 0.2, z));
-    scene.features.push_back(Feature::Point(first + 1, 0.8, 0.2, z + 0.1));
-    scene.features.push_back(Feature::Point(first + 2, 0.8, 0.8, z + 0.3));
-    scene.features.push_back(Feature::Point(first + 3, 0.2, 0.8, z + 0.2));
-    scene.features.push_back(
-        Feature::Polygon(first + 4, {{first, first + 1, first + 2, first + 3}}));
-  }
-  for (const double along : {0.3, 0.5}) {
-    const double z = 0.3 + 0.1 * (along - 0.2) / 0.6 + 0.2 * (0.5 - 0.2) / 0.6;
-    InAndOut(Feature::Point(kFar, along, 0.5, z + 0.45 * t), scene);
-  }
-  return scene;
-}
-
-// Points beside a plate that goes through a small area with a target and far beyond it.
-Scene PlateThroughASizedBox(int n) {
-  Scene scene = InSpace();
-  const double h = 1.0 / n;
-  scene.features = {Feature::Point(1, 0.05, 0.05, 0.5),
-                    Feature::Point(2, 0.95, 0.05, 0.5),
-                    Feature::Point(3, 0.95, 0.95, 0.5),
-                    Feature::Point(4, 0.05, 0.95, 0.5),
-                    Feature::Polygon(5, {{1, 2, 3, 4}}),
-                    Feature::Size(20, {0.4, 0.4, 0.4}, {SizeShape::kBox, h, 0, {0.6, 0.6, 0.6}})};
-  Random random(7);
-  for (const double beyond : {-1.0, 0.5, 2.0, 4.0}) {
-    const double y = 0.42 + 0.16 * random.Unit();
-    InAndOut(Feature::Point(kFar, 0.6 + beyond * h, y, 0.5 + 0.6 * h), scene);
-  }
-  return scene;
-}
-
-// Points beside the face of a box in an area with a target of 1 / n.
-Scene FacetsInASizedBox(int n) {
-  Scene scene = InSpace();
-  const double h = 1.0 / n;
-  AddBox(1, {0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}, scene);
-  scene.features.push_back(Feature::Size(20, {0, 0, 0}, {SizeShape::kBox, h, 0, {1, 1, 1}}));
-  Random random(7);
-  for (const double above : {0.4, -0.6, 0.2}) {
-    const double x = 0.3 + 0.4 * random.Unit();
-    InAndOut(Feature::Point(kFar, x, 0.3 + 0.4 * random.Unit(), 0.2 + above * h), scene);
-  }
-  return scene;
-}
-
 }  // namespace
 
 const std::vector<LocalityScene>& LocalityScenes() {
-  static const auto* const scenes = new std::vector<LocalityScene>{
-      {"PointsInTheCorner", PointsInTheCorner, 500, 8000, 70, 16},
-      {"SegmentsInTheCorner", SegmentsInTheCorner, 400, 6400, 60, 16},
-      {"Channel", Channel, 50, 800, 250, 140},
-      {"Comb", Comb, 20, 80, 90, 20},
-      {"Fan", Fan, 20, 80, 150, 40},
-      {"Spokes", Spokes, 100, 1600, 180, 15},
-      {"RotorInAPlate", RotorInAPlate, 30, 120, 420, 260},
-      {"DiscInAPlate", DiscInAPlate, 30, 120, 350, 110},
-      {"CapsuleInAPlate", CapsuleInAPlate, 30, 120, 350, 160},
-      {"CapsuleBesideAChain", CapsuleBesideAChain, 10, 40, 400, 100},
-      {"PointsInAPlate", PointsInAPlate, 20, 80, 60, 20},
-      {"CrackInAPlate", CrackInAPlate, 30, 120, 90, 30},
-      {"PointsInASizedBox", PointsInASizedBox, 6, 14, 90, 20},
-      {"BorderOfAnArea", BorderOfAnArea, 50, 400, 30, 12},
-      {"BorderOfADisc", BorderOfADisc, 50, 400, 40, 18},
-      {"BorderOfABox", BorderOfABox, 30, 60, 55, 16},
-      {"DiscsOfManyTargets", DiscsOfManyTargets, 50, 200, 50, 25},
-      {"PlateThroughASizedBox", PlateThroughASizedBox, 20, 60, 320, 75},
-      {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 90, 30},
-      {"FirstSize", FirstSize, 1000, 64'000, 440, 200},
-      {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},
-      {"ParallelLines", ParallelLines, 5, 10, 400, 60},
-      {"Slab", Slab, 12, 48, 700, 150},
-      {"TiltedPlates", TiltedPlates, 12, 48, 750, 130},
-      {"FacetsInASizedBox", FacetsInASizedBox, 12, 24, 180, 30},
-  };
+  static const auto* const scenes = [] {
+    auto* const all = new std::vector<LocalityScene>{
+        {"PointsInTheCorner", PointsInTheCorner, 500, 8000, 70, 16},
+        {"SegmentsInTheCorner", SegmentsInTheCorner, 400, 6400, 60, 16},
+        {"Channel", Channel, 50, 800, 250, 140},
+        {"Comb", Comb, 20, 80, 90, 20},
+        {"Fan", Fan, 20, 80, 150, 40},
+        {"Spokes", Spokes, 100, 1600, 180, 15},
+        {"RotorInAPlate", RotorInAPlate, 30, 120, 420, 260},
+        {"DiscInAPlate", DiscInAPlate, 30, 120, 350, 110},
+        {"CapsuleInAPlate", CapsuleInAPlate, 30, 120, 350, 160},
+        {"CapsuleBesideAChain", CapsuleBesideAChain, 10, 40, 400, 100},
+        {"PointsInAPlate", PointsInAPlate, 20, 80, 60, 20},
+        {"CrackInAPlate", CrackInAPlate, 30, 120, 90, 30},
+        {"PointsInASizedBox", PointsInASizedBox, 6, 14, 90, 20},
+        {"BorderOfAnArea", BorderOfAnArea, 50, 400, 30, 12},
+        {"BorderOfADisc", BorderOfADisc, 50, 400, 40, 18},
+        {"BorderOfABox", BorderOfABox, 30, 60, 55, 16},
+        {"DiscsOfManyTargets", DiscsOfManyTargets, 50, 200, 50, 25},
+        {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 90, 30},
+        {"FirstSize", FirstSize, 1000, 64'000, 440, 200},
+        {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},
+        {"ParallelLines", ParallelLines, 5, 10, 400, 60},
+    };
+    for (const LocalityScene& scene : SpaceLocalityScenes()) all->push_back(scene);
+    return all;
+  }();
   return *scenes;
 }
 

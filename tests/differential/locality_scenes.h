@@ -25,7 +25,27 @@ struct LocalityScene {
   std::uint64_t executed = 0;  // operations that one edit runs at most, at either size
   std::size_t vertices = 0;    // that come or go in one edit at most
 };
+// All of them.
 const std::vector<LocalityScene>& LocalityScenes();
+// Those with facets, in 3D.
+std::vector<LocalityScene> SpaceLocalityScenes();
+
+// --- For the makers of scenes -----------------------------------------------------------------
+
+inline constexpr FeatureId kFar = 10'000'000;  // ids of what the edits bring
+
+inline FeatureId Id(int i) { return static_cast<FeatureId>(i); }
+
+// Adds the feature and takes it out again.
+inline void InAndOut(const Feature& feature, Scene& scene) {
+  scene.edits.push_back({Edit::Add(feature)});
+  scene.edits.push_back({Edit::Remove(feature.id)});
+}
+// Takes out the feature and puts it back.
+inline void OutAndIn(const Feature& feature, Scene& scene) {
+  scene.edits.push_back({Edit::Remove(feature.id)});
+  scene.edits.push_back({Edit::Add(feature)});
+}
 
 }  // namespace dynmesh::test
 

@@ -41,7 +41,7 @@ the release build (`deploy/build release`), and TetGen for comparison.
 DIFFERENCES = """
 What does not match the thesis, and why:
 
-* **Times** are of another machine, 19 years later. SVR is 8 (grids) to 13 times as fast as in 2007.
+* **Times** are of another machine, 19 years later. SVR is 11 (grids) to 16 times as fast as in 2007.
 * **Sizes** of SVR's meshes are within 3 % of the thesis's. The bunny's points are from another sampling.
 * **Crowded vertices of the input** split the largest simplex that has the crowding point in its circumscribed
   ball; the thesis splits the largest of all simplices at the vertex. That saves up to a sixth of the vertices.

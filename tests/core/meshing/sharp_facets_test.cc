@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/constructions.h"
@@ -80,6 +81,40 @@ TEST(SharpFacets, ATurnedPlaceIsAsFarFromBothEndsAndTurnsBack) {
     EXPECT_NEAR(SquaredDistance(back->p, p), 0, 1e-26);
   }
   EXPECT_GT(found, 1000);
+}
+
+// Indices of vertices depend on former edits; places must not.
+TEST(SharpFacets, PlacesDoNotDependOnTheIndicesOfCorners) {
+  constexpr std::uint64_t kSeed = 11;
+  test::Random random(kSeed);
+  constexpr VertexIndex kOthers[] = {3, 2, 1, 0};  // of the corners in another mesh
+  int found = 0;
+  for (int i = 0; i < 500; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    Wedge w(1 + 68 * random.Unit(), random);
+    for (Point3& p : w.points) {
+      for (double& x : p.c) x += 1.0 / 3;  // nothing is exact
+    }
+    std::vector<Point3> moved(4);
+    for (std::size_t v = 0; v < 4; ++v) moved[kOthers[v]] = w.points[v];
+    const auto facets = [](const std::vector<Point3>& points, auto at) {
+      return std::pair(Triangle(points, at(0), at(1), at(2), 10),
+                       Triangle(points, at(1), at(3), at(0), 11));
+    };
+    const auto [f, g] = facets(w.points, [](VertexIndex v) { return v; });
+    const auto [f2, g2] = facets(moved, [&](VertexIndex v) { return kOthers[v]; });
+    const Point3 p = f.plane().Foot(geometry::Midpoint(w.points[0], w.points[2]));
+    const Point3 x = geometry::Midpoint(p, w.points[1]);
+    const auto turned = TurnedInto(g, f, x), turned2 = TurnedInto(g2, f2, x);
+    ASSERT_EQ(turned.has_value(), turned2.has_value());
+    const auto on = OnLattice(f, {0, 1}, x, 0.1), on2 = OnLattice(f2, {3, 2}, x, 0.1);
+    ASSERT_EQ(on.has_value(), on2.has_value());
+    if (!turned || !on) continue;
+    ++found;
+    EXPECT_EQ(turned->p, turned2->p);
+    EXPECT_EQ(on->p, on2->p);
+  }
+  EXPECT_GT(found, 200);
 }
 
 // Two facets have the same lattice: one point's counterpart is the other.

@@ -1,0 +1,155 @@
+// Facets at small angles that move, come and go: after each edit the mesh, its complete trace and
+// the static mesh are those of a run from scratch, and a replica follows.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/differential/differential.h"
+#include "tests/support/nightly.h"
+
+namespace dynmesh::test {
+namespace {
+
+using Place = std::array<double, 3>;
+
+class SharpSurfaces : public testing::TestWithParam<std::uint64_t> {
+ protected:
+  SharpSurfaces() : mesh_(NewMesh(DefaultsIn<3>())), replica_(*mesh_) {}
+
+  // In random order: their indices are others than from scratch.
+  void Load(std::vector<Feature> features) {
+    for (std::size_t i = features.size(); i > 1; --i) {
+      std::swap(features[i - 1],
+                features[static_cast<std::size_t>(random_.Below(static_cast<int>(i)))]);
+    }
+    Apply(AddAll(features));
+  }
+  void Apply(const EditBatch& batch) {
+    SCOPED_TRACE("seed " + std::to_string(GetParam()) + ", revision " + std::to_string(revisions_));
+    const auto diff = mesh_->Apply(batch);
+    ASSERT_TRUE(diff.ok()) << diff.status();
+    ASSERT_EQ(replica_.Follow(*diff, *mesh_).what, "");
+    ASSERT_EQ(CompareWithScratch(*mesh_, ++revisions_ % 2 == 0).what, "");
+  }
+
+  // About the middle of the domain.
+  static Feature PointAt(FeatureId id, const Place& p) {
+    return Feature::Point(id, 0.5 + p[0], 0.5 + p[1], 0.5 + p[2]);
+  }
+
+  Random random_{GetParam()};
+
+ private:
+  const std::unique_ptr<DynamicMesh> mesh_;
+  Replica replica_;
+  int revisions_ = 0;
+};
+
+// Two sheets on an edge, the second turned about it; a point between them comes and goes.
+TEST_P(SharpSurfaces, AWedgeOpensAndShuts) {
+  constexpr double kDegree = std::numbers::pi / 180, kWidth = .3;
+  const auto outer = [](FeatureId id, double z, double degrees) {
+    const double turn = 0.3 + degrees * kDegree;
+    return PointAt(id, {kWidth * std::cos(turn), kWidth * std::sin(turn), z});
+  };
+  const std::vector<Feature> features = {PointAt(1, {0, 0, -.25}),
+                                         PointAt(2, {0, 0, .2}),
+                                         outer(3, .25, 0),
+                                         outer(4, -.2, 0),
+                                         outer(5, .25, 60),
+                                         outer(6, -.2, 60),
+                                         Feature::Polygon(7, {{1, 2, 3, 4}}),
+                                         Feature::Polygon(8, {{1, 2, 5, 6}})};
+  ASSERT_NO_FATAL_FAILURE(Load(features));
+  for (const double degrees : {25., 9., 1.2, 15., 20.5, 75.}) {
+    ASSERT_NO_FATAL_FAILURE(
+        Apply({Edit::Set(outer(5, .25, degrees)), Edit::Set(outer(6, -.2, degrees))}));
+    const double between = 0.3 + degrees * kDegree * (0.3 + 0.4 * random_.Unit());
+    ASSERT_NO_FATAL_FAILURE(
+        Apply({Edit::Add(PointAt(11, {.2 * std::cos(between), .2 * std::sin(between), 0}))}));
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Remove(11)}));
+  }
+}
+
+// A flat cone, with 20 degrees at its rim, inside of the faces of a box.
+TEST_P(SharpSurfaces, AConeMovesThroughABox) {
+  constexpr FeatureId kSides = 9, kApex = 20, kRim = 21, kFaces = 40;
+  const auto corners = [](const Place& at) {
+    std::vector<Feature> points = {PointAt(kApex, {at[0], at[1], at[2] + 0.045})};
+    for (FeatureId i = 0; i < kSides; ++i) {
+      const double turn = 2 * std::numbers::pi * static_cast<double>(i) / kSides;
+      points.push_back(
+          PointAt(kRim + i, {at[0] + .12 * std::cos(turn), at[1] + .12 * std::sin(turn), at[2]}));
+    }
+    return points;
+  };
+  std::vector<Feature> features = corners({-.25, 0, 0});
+  std::vector<FeatureId> rim;
+  for (FeatureId i = 0; i < kSides; ++i) {
+    rim.push_back(kRim + i);
+    features.push_back(Feature::Polygon(kFaces + i, {{kApex, kRim + i, kRim + (i + 1) % kSides}}));
+  }
+  features.push_back(Feature::Polygon(kFaces + kSides, {rim}));
+  for (FeatureId i = 0; i < 8; ++i) {
+    features.push_back(PointAt(1 + i, {i & 1 ? .4 : -.4, i & 2 ? .2 : -.2, i & 4 ? .15 : -.15}));
+  }
+  constexpr FeatureId kBox[6][4] = {{1, 2, 4, 3}, {5, 6, 8, 7}, {1, 2, 6, 5},
+                                    {3, 4, 8, 7}, {1, 3, 7, 5}, {2, 4, 8, 6}};
+  for (FeatureId i = 0; i < 6; ++i) {
+    features.push_back(
+        Feature::Polygon(10 + i, {{kBox[i][0], kBox[i][1], kBox[i][2], kBox[i][3]}}));
+  }
+  ASSERT_NO_FATAL_FAILURE(Load(features));
+  for (int step = 1; step <= 8; ++step) {
+    EditBatch moved;
+    for (const Feature& point : corners({-.25 + .06 * step, .04 * random_.Unit(), .01 * step})) {
+      moved.push_back(Edit::Set(point));
+    }
+    ASSERT_NO_FATAL_FAILURE(Apply(moved));
+  }
+}
+
+// Triangles over a grid whose heights are random: angles from some degrees on, at edges and between
+// neighbours. Faces are removed and put back, corners move.
+TEST_P(SharpSurfaces, FacesOfAScanComeAndGo) {
+  constexpr int kSide = 5;
+  const auto id = [](int x, int y) { return static_cast<FeatureId>(1 + x + kSide * y); };
+  const auto corner = [&](int x, int y) {
+    return PointAt(id(x, y), {.12 * (x - 2 + .3 * random_.Unit()), .12 * (y - 2),
+                              .05 * random_.Unit() + .1 * (x % 2)});
+  };
+  std::vector<Feature> features, faces;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      features.push_back(corner(x, y));
+      if (x == 0 || y == 0) continue;
+      const FeatureId a = id(x - 1, y - 1), b = id(x, y - 1), c = id(x, y), d = id(x - 1, y);
+      const auto next = static_cast<FeatureId>(100 + faces.size());
+      faces.push_back(Feature::Polygon(next, {{a, b, c}}));
+      faces.push_back(Feature::Polygon(next + 1, {{a, c, d}}));
+    }
+  }
+  features.insert(features.end(), faces.begin(), faces.end());
+  ASSERT_NO_FATAL_FAILURE(Load(features));
+  for (int step = 0; step < 8; ++step) {
+    const Feature& face =
+        faces[static_cast<std::size_t>(random_.Below(static_cast<int>(faces.size())))];
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Remove(face.id)}));
+    if (step % 2 == 0) {
+      const int x = random_.Below(kSide), y = random_.Below(kSide);
+      ASSERT_NO_FATAL_FAILURE(Apply({Edit::Set(corner(x, y))}));
+    }
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Add(face)}));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, SharpSurfaces,
+                         testing::Range<std::uint64_t>(1, IsNightly() ? 31 : 2));
+
+}  // namespace
+}  // namespace dynmesh::test
