@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
+#include "server/base/boot_time.h"
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
@@ -82,7 +82,7 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& 
 
 absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std::string& url,
                                                                        const Options& options) {
-  const absl::StatusOr<postgres::Target> target = postgres::ParseTarget(url);
+  const absl::StatusOr<postgres::Target> target = postgres::ParseTarget(url, options.lease);
   if (!target.ok()) return target.status();
   std::unique_ptr<PostgresJournal> journal(new PostgresJournal(*target, options));
   const auto named = [&target](const absl::Status& status) {
@@ -146,17 +146,21 @@ PostgresJournal::OwnedPtr PostgresJournal::Find(Key mesh) {
   return it == owned_.end() ? nullptr : it->second;
 }
 
-void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief) {
+void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief,
+                           std::chrono::nanoseconds claimed) {
   const auto owned = std::make_shared<Owned>();
   owned->is = belief;
   owned->epoch = belief.epoch;
+  owned->claimed = claimed;
   const std::lock_guard lock(owned_mutex_);
   owned_[mesh] = owned;
 }
 
 absl::Status PostgresJournal::Repeatedly(
-    const std::function<absl::Status(Session& session, bool* unknown)>& step) {
-  const absl::Time end = absl::Now() + options_.resolve_for;
+    const std::function<absl::Status(Session& session, bool* unknown)>& step,
+    absl::Duration limit) {
+  const std::chrono::nanoseconds end =
+      BootTime() + absl::ToChronoNanoseconds(std::min(options_.resolve_for, limit));
   for (int attempt = 0;; ++attempt) {
     absl::Status status;
     bool unknown = false;
@@ -167,7 +171,7 @@ absl::Status PostgresJournal::Repeatedly(
       // Nothing was sent, unless by an earlier attempt.
       if (!session.ok()) unknown = attempt > 0;
     }
-    if (!unknown || absl::Now() > end) return Counted(std::move(status));
+    if (!unknown || BootTime() > end) return Counted(std::move(status));
     std::this_thread::sleep_for(std::chrono::milliseconds(20) * (1 << std::min(attempt, 5)));
   }
 }
@@ -193,9 +197,11 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
                                                      const std::string& description) {
   Key key = 0;
   const std::int64_t sum = RowSumOf(absl::string_view(id), absl::string_view(description));
+  std::chrono::nanoseconds sent{0};
   const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
     if (absl::Status s = DrawKey(session, &key, unknown); !s.ok()) return s;
     const postgres::Bytes bytes{description};
+    sent = BootTime();
     const Answer made = is_shared()
                             ? session.Run(kCreateLeased, key, id, bytes, sum, owner_,
                                           std::int64_t{absl::ToInt64Microseconds(options_.lease)})
@@ -207,7 +213,7 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
     return MeshExists(id);
   });
   if (!status.ok()) return status;
-  Keep(key, {.epoch = 1});
+  Keep(key, {.epoch = 1}, sent);
   return key;
 }
 
@@ -227,15 +233,20 @@ absl::Status PostgresJournal::Claim(Key mesh) {
   std::unique_lock<std::mutex> lock;
   if (before != nullptr) lock = std::unique_lock(before->mutex);
   postgres::Belief belief;
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
+  std::chrono::nanoseconds sent{0};
+  const auto claim = [&](Session& session, bool* unknown) {
+    sent = BootTime();
     const postgres::Claimed claimed = ClaimOn(session, mesh);
     *unknown = claimed.unknown;
     belief = claimed.belief;
     return claimed.status;
-  });
+  };
+  // With leases another server may have the mesh then.
+  const absl::Status status =
+      Repeatedly(claim, is_shared() ? options_.lease : absl::InfiniteDuration());
   if (!status.ok()) return status;
   if (before != nullptr) before->gone = absl::AbortedError("the mesh was claimed anew");
-  Keep(mesh, belief);
+  Keep(mesh, belief, sent);
   return status;
 }
 
