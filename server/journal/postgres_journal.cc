@@ -156,24 +156,36 @@ void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief,
   owned_[mesh] = owned;
 }
 
-absl::Status PostgresJournal::Repeatedly(
-    const std::function<absl::Status(Session& session, bool* unknown)>& step,
-    absl::Duration limit) {
-  const std::chrono::nanoseconds end =
-      BootTime() + absl::ToChronoNanoseconds(std::min(options_.resolve_for, limit));
+absl::Status PostgresJournal::Repeatedly(const Step& step, bool* is_unknown) {
+  const absl::Duration limit =
+      is_shared() ? std::min(options_.resolve_for, options_.lease) : options_.resolve_for;
+  const std::chrono::nanoseconds end = BootTime() + absl::ToChronoNanoseconds(limit);
   for (int attempt = 0;; ++attempt) {
     absl::Status status;
     bool unknown = false;
     {
+      const std::chrono::nanoseconds patience =
+          is_shared() ? std::max(end - BootTime(), Patience()) : Patience();
       absl::StatusOr<postgres::Pool::Lease> session =
-          attempt == 0 ? writers_.Take() : writers_.TakeFresh();
+          attempt == 0 ? writers_.Take(patience) : writers_.TakeFresh(patience);
       status = session.ok() ? step(**session, &unknown) : session.status();
       // Nothing was sent, unless by an earlier attempt.
       if (!session.ok()) unknown = attempt > 0;
     }
-    if (!unknown || BootTime() > end) return Counted(std::move(status));
+    if (!unknown || BootTime() > end) {
+      if (is_unknown != nullptr) *is_unknown = unknown;
+      return Counted(std::move(status));
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(20) * (1 << std::min(attempt, 5)));
   }
+}
+
+absl::Status PostgresJournal::Change(const Step& step) {
+  bool is_unknown = false;
+  const absl::Status status = Repeatedly(step, &is_unknown);
+  if (!is_unknown) return status;
+  return absl::UnknownError(
+      absl::StrCat("it could not be found out whether the change was written: ", status.message()));
 }
 
 // ------------------------------------------------------------------ meshes
@@ -198,7 +210,7 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
   Key key = 0;
   const std::int64_t sum = RowSumOf(absl::string_view(id), absl::string_view(description));
   std::chrono::nanoseconds sent{0};
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+  const absl::Status status = Change([&](Session& session, bool* unknown) -> absl::Status {
     if (absl::Status s = DrawKey(session, &key, unknown); !s.ok()) return s;
     const postgres::Bytes bytes{description};
     sent = BootTime();
@@ -234,16 +246,13 @@ absl::Status PostgresJournal::Claim(Key mesh) {
   if (before != nullptr) lock = std::unique_lock(before->mutex);
   postgres::Belief belief;
   std::chrono::nanoseconds sent{0};
-  const auto claim = [&](Session& session, bool* unknown) {
+  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
     sent = BootTime();
     const postgres::Claimed claimed = ClaimOn(session, mesh);
     *unknown = claimed.unknown;
     belief = claimed.belief;
     return claimed.status;
-  };
-  // With leases another server may have the mesh then.
-  const absl::Status status =
-      Repeatedly(claim, is_shared() ? options_.lease : absl::InfiniteDuration());
+  });
   if (!status.ok()) return status;
   if (before != nullptr) before->gone = absl::AbortedError("the mesh was claimed anew");
   Keep(mesh, belief, sent);
@@ -252,7 +261,7 @@ absl::Status PostgresJournal::Claim(Key mesh) {
 
 absl::Status PostgresJournal::Delete(Key mesh) {
   bool repeated = false;
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+  const absl::Status status = Change([&](Session& session, bool* unknown) -> absl::Status {
     const Answer gone = session.Run(kDelete, mesh);
     *unknown = gone.unknown;
     if (!gone.status.ok()) {

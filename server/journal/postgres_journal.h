@@ -112,11 +112,12 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   // Counts a writing call by its status, and returns it.
   absl::Status Counted(absl::Status status);
   // Runs `step` on a connection. If its outcome is unknown, runs it again on another one, for the
-  // time that options allow, and no longer than `limit`; so it must have the same effect when it is
-  // repeated.
-  absl::Status Repeatedly(
-      const std::function<absl::Status(postgres::Session& session, bool* unknown)>& step,
-      absl::Duration limit = absl::InfiniteDuration());
+  // time that options allow, with leases for one; so it must have the same effect when it is
+  // repeated. `is_unknown` is set to whether the outcome still is unknown at the end.
+  using Step = std::function<absl::Status(postgres::Session& session, bool* unknown)>;
+  absl::Status Repeatedly(const Step& step, bool* is_unknown = nullptr);
+  // The same for a change that clients see: UNKNOWN if its outcome was not found out.
+  absl::Status Change(const Step& step);
 
   // With the mesh's mutex.
   absl::Status AppendGroup(Key mesh, Owned& owned, const postgres::GroupAppend& group);

@@ -181,6 +181,26 @@ TEST_F(PostgresCutOffTest, AConnectionThatIsNotMadeIsNotWaitedForLonger) {
   ExpectThatAllGoesOn();
 }
 
+TEST_F(PostgresCutOffTest, WhetherAMeshWasMadeOrDeletedMayStayUnknown) {
+  // Prepared, as above.
+  ASSERT_TRUE(journal_->Delete(*journal_->Create("prepared", "")).ok());
+  const absl::Time start = absl::Now();
+  proxy_.CutNext(
+      Cut::kAnswer, [this] { proxy_.Ignore(true); }, /*skipped=*/1);  // that of the key
+  const absl::Status made = journal_->Create("other", "").status();
+  EXPECT_TRUE(absl::IsUnknown(made)) << made;
+  proxy_.Ignore(false);
+  EXPECT_TRUE(absl::IsAlreadyExists(journal_->Create("other", "").status()));
+
+  ASSERT_TRUE(journal_->Delete(*journal_->Create("third", "")).ok());
+  proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Ignore(true); });
+  const absl::Status deleted = journal_->Delete(key_);
+  EXPECT_TRUE(absl::IsUnknown(deleted)) << deleted;
+  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
+  proxy_.Ignore(false);
+  EXPECT_TRUE(absl::IsNotFound(journal_->Delete(key_)));
+}
+
 TEST_F(PostgresCutOffTest, WhileTheLeaseIsRenewedTheOutcomeIsLookedFor) {
   OpenWith(absl::Seconds(2));
   proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Refuse(true); });
