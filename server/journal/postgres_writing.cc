@@ -152,6 +152,8 @@ absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
   absl::Status status = CompactIn(mesh, *owned, revision, parts);
+  // Appends wait for this call: without a database it ends at once. The next snapshot sweeps.
+  if (is_shared() && absl::IsUnavailable(status)) return status;
   SweepWhole(mesh);
   if (absl::StatusOr<Lease> session = readers_.Take(Patience()); session.ok()) Measure(**session);
   return status;
