@@ -92,7 +92,10 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
   const std::lock_guard lock(mutex_);
   if (reason == codec::reason::kNotOwner) {
     const auto owner = error->metadata.find("owner");
-    if (owner == error->metadata.end() || !IsAddress(owner->second)) return Next::kAfterPause;
+    if (owner == error->metadata.end() || !IsAddress(owner->second)) {
+      AvoidLocked(mesh, asked.address);  // another one may know it
+      return Next::kAfterPause;
+    }
     if (std::find(known_.begin(), known_.end(), owner->second) == known_.end()) {
       if (known_.size() >= kMostServers) return Next::kAfterPause;
       known_.push_back(owner->second);
@@ -105,8 +108,11 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
     AvoidLocked(mesh, asked.address);
     return Next::kAfterPause;
   }
-  if (reason.empty()) AvoidLocked(mesh, asked.address);
   const bool may_have_happened = reason.empty() || reason == codec::reason::kOutcomeUnknown;
+  // Of a server that is cut off from its database another one gets the meshes.
+  if (may_have_happened || reason == codec::reason::kJournalFailed) {
+    AvoidLocked(mesh, asked.address);
+  }
   return repeatable && may_have_happened ? Next::kAfterPause : Next::kOver;
 }
 

@@ -112,13 +112,14 @@ class Journal {
   virtual std::uint64_t bytes() const { return 0; }
 
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
-  // The new mesh is claimed. ALREADY_EXISTS for an existing id.
+  // The new mesh is claimed. ALREADY_EXISTS for an existing id. UNKNOWN: it may be there.
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
   // Makes this object the owner of the mesh, before the mesh is read to be written to. What an
   // earlier owner has in flight is refused from then on. A journal of one process owns all meshes.
   // ABORTED if another object has a lease of the mesh (shared_journal.h).
   virtual absl::Status Claim(Key) { return absl::OkStatus(); }
   // Quick, whatever the size: the mesh becomes invisible, and its rows remain. Needs no claim.
+  // UNKNOWN: it may be gone.
   virtual absl::Status Delete(Key mesh) = 0;
   // Removes a part of the invisible rows; other calls run in between. True if there is more. What
   // is left when the journal is closed is removed at the next opening.

@@ -21,7 +21,9 @@ struct PostgresOptions {
   // Connections at most, for writing and for reading. Further callers wait.
   int writing_connections = 16;
   int reading_connections = 8;
-  // How long the outcome of an unknown write is looked for. A mesh's calls wait meanwhile.
+  // How long the outcome of an unknown write is looked for. A mesh's calls wait meanwhile. With
+  // leases that of an append is not looked for after the end of the mesh's, nor another one for
+  // longer than a lease.
   absl::Duration resolve_for = absl::Seconds(60);
   // > 0: several servers use the database, each with such leases of its meshes. 0: this one has all
   // meshes, and takes them from any other.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
+#include "server/base/boot_time.h"
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
@@ -82,7 +82,7 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& 
 
 absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std::string& url,
                                                                        const Options& options) {
-  const absl::StatusOr<postgres::Target> target = postgres::ParseTarget(url);
+  const absl::StatusOr<postgres::Target> target = postgres::ParseTarget(url, options.lease);
   if (!target.ok()) return target.status();
   std::unique_ptr<PostgresJournal> journal(new PostgresJournal(*target, options));
   const auto named = [&target](const absl::Status& status) {
@@ -146,30 +146,46 @@ PostgresJournal::OwnedPtr PostgresJournal::Find(Key mesh) {
   return it == owned_.end() ? nullptr : it->second;
 }
 
-void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief) {
+void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief,
+                           std::chrono::nanoseconds claimed) {
   const auto owned = std::make_shared<Owned>();
   owned->is = belief;
   owned->epoch = belief.epoch;
+  owned->claimed = claimed;
   const std::lock_guard lock(owned_mutex_);
   owned_[mesh] = owned;
 }
 
-absl::Status PostgresJournal::Repeatedly(
-    const std::function<absl::Status(Session& session, bool* unknown)>& step) {
-  const absl::Time end = absl::Now() + options_.resolve_for;
+absl::Status PostgresJournal::Repeatedly(const Step& step, bool* is_unknown) {
+  const absl::Duration limit =
+      is_shared() ? std::min(options_.resolve_for, options_.lease) : options_.resolve_for;
+  const std::chrono::nanoseconds end = BootTime() + absl::ToChronoNanoseconds(limit);
   for (int attempt = 0;; ++attempt) {
     absl::Status status;
     bool unknown = false;
     {
+      const std::chrono::nanoseconds patience =
+          is_shared() ? std::max(end - BootTime(), Patience()) : Patience();
       absl::StatusOr<postgres::Pool::Lease> session =
-          attempt == 0 ? writers_.Take() : writers_.TakeFresh();
+          attempt == 0 ? writers_.Take(patience) : writers_.TakeFresh(patience);
       status = session.ok() ? step(**session, &unknown) : session.status();
       // Nothing was sent, unless by an earlier attempt.
       if (!session.ok()) unknown = attempt > 0;
     }
-    if (!unknown || absl::Now() > end) return Counted(std::move(status));
+    if (!unknown || BootTime() > end) {
+      if (is_unknown != nullptr) *is_unknown = unknown;
+      return Counted(std::move(status));
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(20) * (1 << std::min(attempt, 5)));
   }
+}
+
+absl::Status PostgresJournal::Change(const Step& step) {
+  bool is_unknown = false;
+  const absl::Status status = Repeatedly(step, &is_unknown);
+  if (!is_unknown) return status;
+  return absl::UnknownError(
+      absl::StrCat("it could not be found out whether the change was written: ", status.message()));
 }
 
 // ------------------------------------------------------------------ meshes
@@ -193,9 +209,11 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
                                                      const std::string& description) {
   Key key = 0;
   const std::int64_t sum = RowSumOf(absl::string_view(id), absl::string_view(description));
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+  std::chrono::nanoseconds sent{0};
+  const absl::Status status = Change([&](Session& session, bool* unknown) -> absl::Status {
     if (absl::Status s = DrawKey(session, &key, unknown); !s.ok()) return s;
     const postgres::Bytes bytes{description};
+    sent = BootTime();
     const Answer made = is_shared()
                             ? session.Run(kCreateLeased, key, id, bytes, sum, owner_,
                                           std::int64_t{absl::ToInt64Microseconds(options_.lease)})
@@ -207,7 +225,7 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
     return MeshExists(id);
   });
   if (!status.ok()) return status;
-  Keep(key, {.epoch = 1});
+  Keep(key, {.epoch = 1}, sent);
   return key;
 }
 
@@ -227,7 +245,9 @@ absl::Status PostgresJournal::Claim(Key mesh) {
   std::unique_lock<std::mutex> lock;
   if (before != nullptr) lock = std::unique_lock(before->mutex);
   postgres::Belief belief;
+  std::chrono::nanoseconds sent{0};
   const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
+    sent = BootTime();
     const postgres::Claimed claimed = ClaimOn(session, mesh);
     *unknown = claimed.unknown;
     belief = claimed.belief;
@@ -235,13 +255,13 @@ absl::Status PostgresJournal::Claim(Key mesh) {
   });
   if (!status.ok()) return status;
   if (before != nullptr) before->gone = absl::AbortedError("the mesh was claimed anew");
-  Keep(mesh, belief);
+  Keep(mesh, belief, sent);
   return status;
 }
 
 absl::Status PostgresJournal::Delete(Key mesh) {
   bool repeated = false;
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+  const absl::Status status = Change([&](Session& session, bool* unknown) -> absl::Status {
     const Answer gone = session.Run(kDelete, mesh);
     *unknown = gone.unknown;
     if (!gone.status.ok()) {

@@ -7,7 +7,8 @@
 // lost meanwhile, or the server warns that a standby did not confirm the commit, the outcome is
 // unknown at first. The mesh is then claimed again on another connection, which tells. If the group
 // is not there, it is appended again. If the time for that ends, the outcome stays unknown and the
-// mesh is disowned.
+// mesh is disowned. With leases it ends when the mesh's lease has: another server can have the mesh
+// then, and clients find out there.
 //
 // Snapshots and deletions go in parts, as in SQLite. Leftovers of an interrupted sequence are
 // deleted at the mesh's next snapshot, or, of a deleted mesh, when the journal is opened.
@@ -18,6 +19,7 @@
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_JOURNAL_H_
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -92,10 +94,11 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
  private:
   // A mesh that this object claimed.
   struct Owned {
-    std::mutex mutex;                    // held during an append or a transaction of a snapshot
-    absl::Status gone;                   // not OK: disowned, and why
-    postgres::Belief is;                 // while it is owned
-    std::atomic<std::int64_t> epoch{0};  // as in `is`; 0: disowned. Without the mutex
+    std::mutex mutex;                     // held during an append or a transaction of a snapshot
+    absl::Status gone;                    // not OK: disowned, and why
+    postgres::Belief is;                  // while it is owned
+    std::atomic<std::int64_t> epoch{0};   // as in `is`; 0: disowned. Without the mutex
+    std::chrono::nanoseconds claimed{0};  // when the claim was sent, as BootTime
   };
   using OwnedPtr = std::shared_ptr<Owned>;
 
@@ -105,18 +108,26 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   // One claim, forced or of a free mesh.
   postgres::Claimed ClaimOn(postgres::Session& session, Key mesh) const;
   OwnedPtr Find(Key mesh);
-  void Keep(Key mesh, const postgres::Belief& belief);
+  void Keep(Key mesh, const postgres::Belief& belief, std::chrono::nanoseconds claimed);
   // Counts a writing call by its status, and returns it.
   absl::Status Counted(absl::Status status);
   // Runs `step` on a connection. If its outcome is unknown, runs it again on another one, for the
-  // time that options allow; so it must have the same effect when it is repeated.
-  absl::Status Repeatedly(
-      const std::function<absl::Status(postgres::Session& session, bool* unknown)>& step);
+  // time that options allow, with leases for one; so it must have the same effect when it is
+  // repeated. `is_unknown` is set to whether the outcome still is unknown at the end.
+  using Step = std::function<absl::Status(postgres::Session& session, bool* unknown)>;
+  absl::Status Repeatedly(const Step& step, bool* is_unknown = nullptr);
+  // The same for a change that clients see: UNKNOWN if its outcome was not found out.
+  absl::Status Change(const Step& step);
 
   // With the mesh's mutex.
   absl::Status AppendGroup(Key mesh, Owned& owned, const postgres::GroupAppend& group);
-  absl::Status Resolve(Key mesh, Owned& owned, const postgres::GroupAppend& group, absl::Time end,
-                       bool* is_there);
+  absl::Status Resolve(Key mesh, Owned& owned, const postgres::GroupAppend& group,
+                       std::chrono::nanoseconds end, bool* is_there);
+  // With leases: how long this server certainly has the mesh from now on; at most 0: another one
+  // may have it.
+  std::chrono::nanoseconds LeaseLeft(const Owned& owned) const;
+  // How long a new connection is waited for; `owned`: the mesh whose outcome is looked for.
+  std::chrono::nanoseconds Patience(const Owned* owned = nullptr) const;
   // Why nothing can be written to a mesh that this object never claimed.
   absl::Status NotClaimed(Key mesh);
   absl::Status Disown(Owned& owned, absl::Status why);
@@ -139,6 +150,7 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   std::mutex owned_mutex_;
   std::map<Key, OwnedPtr> owned_;
 
+  std::atomic<std::int64_t> renewed_{0};  // when the last renewal was sent, as BootTime
   std::atomic<std::uint64_t> commits_{0};
   std::atomic<std::uint64_t> failures_{0};
   std::atomic<std::uint64_t> fenced_{0}, unknown_{0};

@@ -1,13 +1,25 @@
 #include "server/journal/postgres_pool.h"
 
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+
 namespace dynmesh::server::postgres {
+
+// A connection that a thread makes, and for which a caller waits for a while.
+struct Pool::Attempt {
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool is_over = false, is_left = false;  // it has ended; the caller waits no more
+  absl::StatusOr<std::unique_ptr<Session>> session = absl::UnavailableError("no connection yet");
+};
 
 void Pool::WaitForRoom(std::unique_lock<std::mutex>& lock) {
   returned_.wait(lock, [this] { return in_use_ < limit_; });
   ++in_use_;
 }
 
-absl::StatusOr<Pool::Lease> Pool::Take() {
+absl::StatusOr<Pool::Lease> Pool::Take(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> stale;  // closed without the lock
   std::unique_lock lock(mutex_);
   WaitForRoom(lock);
@@ -18,10 +30,10 @@ absl::StatusOr<Pool::Lease> Pool::Take() {
     stale.push_back(std::move(session));
   }
   lock.unlock();
-  return Connect();
+  return Connect(patience);
 }
 
-absl::StatusOr<Pool::Lease> Pool::TakeFresh() {
+absl::StatusOr<Pool::Lease> Pool::TakeFresh(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> closed;
   {
     std::unique_lock lock(mutex_);
@@ -29,15 +41,63 @@ absl::StatusOr<Pool::Lease> Pool::TakeFresh() {
     WaitForRoom(lock);
   }
   closed.clear();
-  return Connect();
+  return Connect(patience);
 }
 
-absl::StatusOr<Pool::Lease> Pool::Connect() {
+absl::StatusOr<Pool::Lease> Pool::Connect(std::chrono::nanoseconds patience) {
+  if (patience != kUntilItEnds) return ConnectWithin(patience);
   absl::StatusOr<std::unique_ptr<Session>> session =
       Session::Connect(conninfo_, between_statements_);
   if (session.ok()) return Lease(this, *std::move(session));
   Return(nullptr);
   return session.status();
+}
+
+absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patience) {
+  const auto attempt = std::make_shared<Attempt>();
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(attempts_, [](const std::future<void>& other) {
+      return other.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    });
+    try {
+      attempts_.push_back(
+          std::async(std::launch::async, [this, attempt] { RunAttempt(*attempt); }));
+    } catch (const std::system_error& error) {
+      attempt->is_over = true;
+      attempt->session = absl::UnavailableError(absl::StrCat("no thread: ", error.what()));
+    }
+  }
+  absl::Status none;
+  {
+    std::unique_lock lock(attempt->mutex);
+    attempt->is_left =
+        !attempt->ended.wait_for(lock, patience, [&attempt] { return attempt->is_over; });
+    if (!attempt->is_left && attempt->session.ok()) {
+      return Lease(this, *std::move(attempt->session));
+    }
+    none = attempt->is_left
+               ? absl::UnavailableError("no connection to the database: it was not made in time")
+               : attempt->session.status();
+  }
+  Return(nullptr);
+  return none;
+}
+
+void Pool::RunAttempt(Attempt& attempt) {
+  absl::StatusOr<std::unique_ptr<Session>> session =
+      Session::Connect(conninfo_, between_statements_);
+  std::unique_lock lock(attempt.mutex);
+  attempt.is_over = true;
+  if (attempt.is_left) {
+    lock.unlock();
+    const std::lock_guard pool_lock(mutex_);
+    const bool is_room = in_use_ + static_cast<int>(idle_.size()) < limit_;
+    if (session.ok() && is_room) idle_.push_back(*std::move(session));
+    return;
+  }
+  attempt.session = std::move(session);
+  attempt.ended.notify_one();
 }
 
 void Pool::Return(std::unique_ptr<Session> session) {

@@ -3,7 +3,9 @@
 #ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_
 
+#include <chrono>
 #include <condition_variable>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -41,13 +43,22 @@ class Pool {
   Pool(std::string conninfo, int limit, absl::Duration between_statements)
       : conninfo_(std::move(conninfo)), limit_(limit), between_statements_(between_statements) {}
 
-  // An idle connection or a new one. Waits while all are in use. UNAVAILABLE as Session::Connect.
-  absl::StatusOr<Lease> Take();
+  static constexpr std::chrono::nanoseconds kUntilItEnds = std::chrono::nanoseconds::max();
+
+  // An idle connection or a new one. Waits while all are in use. UNAVAILABLE as Session::Connect,
+  // and if a new one was not made within `patience`: it is kept for others if it is made later, and
+  // does not count as in use meanwhile. With that limit a thread makes it, as the library tries one
+  // host after the other.
+  absl::StatusOr<Lease> Take(std::chrono::nanoseconds patience = kUntilItEnds);
   // The same, but a new one; and the idle ones, which may be broken as well, are closed.
-  absl::StatusOr<Lease> TakeFresh();
+  absl::StatusOr<Lease> TakeFresh(std::chrono::nanoseconds patience = kUntilItEnds);
 
  private:
-  absl::StatusOr<Lease> Connect();
+  struct Attempt;
+
+  absl::StatusOr<Lease> Connect(std::chrono::nanoseconds patience);
+  absl::StatusOr<Lease> ConnectWithin(std::chrono::nanoseconds patience);
+  void RunAttempt(Attempt& attempt);
   void WaitForRoom(std::unique_lock<std::mutex>& lock);
   void Return(std::unique_ptr<Session> session);
 
@@ -58,6 +69,7 @@ class Pool {
   std::condition_variable returned_;
   std::vector<std::unique_ptr<Session>> idle_;
   int in_use_ = 0;
+  std::vector<std::future<void>> attempts_;  // last: waits for them, and they use the others
 };
 
 }  // namespace dynmesh::server::postgres

@@ -13,11 +13,13 @@
 namespace dynmesh::server::postgres {
 namespace {
 
-// Waiting for a standby must not end by a time limit, and a row lock is waited for.
+// Waiting for a standby must not end by a time limit, and a row lock is waited for. The session of
+// a server that is gone ends soon: it counts among max_connections.
 constexpr char kSettings[] =
     "SET client_min_messages = warning; SET default_transaction_isolation = 'read committed'; "
     "SET statement_timeout = 0; SET lock_timeout = 0; "
     "SET idle_session_timeout = 0; SET bytea_output = 'hex'; "
+    "SET tcp_keepalives_idle = 10; SET tcp_keepalives_interval = 5; SET tcp_keepalives_count = 3; "
     "SELECT set_config('synchronous_commit', 'on', false) "
     "WHERE current_setting('synchronous_commit') NOT IN ('on', 'remote_apply')";
 

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/boot_time.h"
 #include "server/journal/postgres_journal.h"
 #include "server/journal/postgres_leases.h"
 #include "server/journal/postgres_tails.h"
@@ -19,7 +20,11 @@ constexpr std::int64_t kTailBytes = 4 << 20;
 absl::StatusOr<std::vector<Journal::Key>> PostgresJournal::Renew(const std::string& address) {
   absl::StatusOr<SessionLease> session = keeper_.Take();
   if (!session.ok()) return session.status();
-  return postgres::RenewLeases(**session, {owner_, address}, options_.lease);
+  const std::chrono::nanoseconds sent = BootTime();
+  absl::StatusOr<std::vector<Key>> renewed =
+      postgres::RenewLeases(**session, {owner_, address}, options_.lease);
+  if (renewed.ok()) renewed_ = sent.count();
+  return renewed;
 }
 
 absl::Status PostgresJournal::GiveUp() {
@@ -40,7 +45,7 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
 }
 
 absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& id) {
-  absl::StatusOr<SessionLease> session = readers_.Take();
+  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::LocateMesh(**session, id, owner_, options_.lease);
 }

@@ -2,6 +2,8 @@
 
 #include <libpq-fe.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <memory>
 
@@ -12,17 +14,30 @@
 namespace dynmesh::server::postgres {
 namespace {
 
-// Of what the address leaves out. Times in seconds, but for the last one in milliseconds.
-constexpr std::pair<const char*, const char*> kDefaults[] = {
-    {"application_name", "dynmeshd"},
-    {"client_encoding", "UTF8"},
-    {"target_session_attrs", "read-write"},
-    {"connect_timeout", "5"},
-    {"keepalives_idle", "5"},
-    {"keepalives_interval", "2"},
-    {"keepalives_count", "3"},
-    {"tcp_user_timeout", "10000"},
-};
+using Values = std::map<std::string, std::string>;
+
+// Of what the address leaves out.
+Values Defaults(absl::Duration lease) {
+  absl::Duration silence = absl::Seconds(10);
+  if (lease > absl::ZeroDuration()) {
+    silence = std::clamp(lease / 2, absl::Milliseconds(500), silence);
+  }
+  // libpq takes seconds, and 2 at least to connect.
+  const std::int64_t half = absl::ToInt64Seconds(silence / 2);
+  const auto within = [half](std::int64_t least, std::int64_t most) {
+    return absl::StrCat(std::clamp(half, least, most));
+  };
+  return {
+      {"application_name", "dynmeshd"},
+      {"client_encoding", "UTF8"},
+      {"target_session_attrs", "read-write"},
+      {"connect_timeout", within(2, 5)},
+      {"keepalives_idle", within(1, 5)},
+      {"keepalives_interval", within(1, 2)},
+      {"keepalives_count", "3"},
+      {"tcp_user_timeout", absl::StrCat(absl::ToInt64Milliseconds(silence))},
+  };
+}
 
 std::string Quoted(absl::string_view value) {
   return absl::StrCat("'", absl::StrReplaceAll(value, {{"\\", "\\\\"}, {"'", "\\'"}}), "'");
@@ -30,7 +45,7 @@ std::string Quoted(absl::string_view value) {
 
 }  // namespace
 
-absl::StatusOr<Target> ParseTarget(const std::string& url) {
+absl::StatusOr<Target> ParseTarget(const std::string& url, absl::Duration lease) {
   if (!IsAddress(url)) {
     return absl::InvalidArgumentError("the journal's address does not begin with postgresql://");
   }
@@ -42,7 +57,7 @@ absl::StatusOr<Target> ParseTarget(const std::string& url) {
     return absl::InvalidArgumentError(
         "the journal's address is malformed: give postgresql://[USER@]HOST[:PORT]/DATABASE");
   }
-  std::map<std::string, std::string> values(std::begin(kDefaults), std::end(kDefaults));
+  Values values = Defaults(lease);
   for (const PQconninfoOption* option = parsed.get(); option->keyword != nullptr; ++option) {
     if (option->val != nullptr) values[option->keyword] = option->val;
   }

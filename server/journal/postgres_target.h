@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
+#include "absl/time/time.h"
 
 namespace dynmesh::server::postgres {
 
@@ -21,10 +22,13 @@ struct Target {
 };
 
 // Reads `url`, postgresql://[USER[:PASSWORD]@][HOST[:PORT],...]/DATABASE[?KEY=VALUE&...] with the
-// keys of libpq. What it leaves out has libpq's defaults, but for these: a connection is given up
-// after 5 s, a silent one is noticed after about 10 s, and of several hosts the one that can write
-// is taken. INVALID_ARGUMENT if it is malformed; the message has no password.
-absl::StatusOr<Target> ParseTarget(const std::string& url);
+// keys of libpq. What it leaves out has libpq's defaults, but for these: a connection to a host is
+// given up after 5 s, a silent one is noticed after about 10 s, and of several hosts the one that
+// can write is taken. With a `lease` > 0 a silent one is noticed after half of it, if that is less,
+// and a host is given up after a quarter of it, but not before 0.5 s and 2 s.
+// INVALID_ARGUMENT if it is malformed; the message has no password.
+absl::StatusOr<Target> ParseTarget(const std::string& url,
+                                   absl::Duration lease = absl::ZeroDuration());
 
 }  // namespace dynmesh::server::postgres
 

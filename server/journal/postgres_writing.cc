@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
+#include "server/base/boot_time.h"
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
@@ -18,6 +18,7 @@ using postgres::Answer;
 using postgres::Belief;
 using postgres::GroupAppend;
 using Lease = postgres::Pool::Lease;
+using std::chrono::nanoseconds;
 
 // A group is appended so often at most: it may be what breaks the connection.
 constexpr int kAttempts = 3;
@@ -48,12 +49,26 @@ absl::Status PostgresJournal::NotClaimed(Key mesh) {
   return postgres::WhyRefused(**session, mesh, owner_, {});
 }
 
+nanoseconds PostgresJournal::LeaseLeft(const Owned& owned) const {
+  const nanoseconds since = std::max(owned.claimed, nanoseconds(renewed_.load()));
+  return since + absl::ToChronoNanoseconds(options_.lease) - BootTime();
+}
+
+// Some time in any case: the database may be there again although the lease has ended.
+nanoseconds PostgresJournal::Patience(const Owned* owned) const {
+  if (!is_shared()) return postgres::Pool::kUntilItEnds;
+  if (owned == nullptr) {
+    return absl::ToChronoNanoseconds(std::max(options_.lease / 4, absl::Seconds(1)));
+  }
+  return std::max(LeaseLeft(*owned), absl::ToChronoNanoseconds(options_.lease / 10));
+}
+
 absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupAppend& group) {
-  const absl::Time end = absl::Now() + options_.resolve_for;
+  const nanoseconds end = BootTime() + absl::ToChronoNanoseconds(options_.resolve_for);
   absl::Status failure;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     {
-      absl::StatusOr<Lease> session = writers_.Take();
+      absl::StatusOr<Lease> session = writers_.Take(Patience());
       if (!session.ok()) return session.status();
       const Answer answer = group.Run(**session, owned.is.epoch);
       if (answer.status.ok() && !answer.empty()) {
@@ -77,11 +92,11 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
 
 // OK: it is known whether the group is there. If not, it never will be by an earlier attempt.
 absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend& group,
-                                      absl::Time end, bool* is_there) {
+                                      nanoseconds end, bool* is_there) {
   absl::Status last;
-  auto pause = std::chrono::milliseconds(20);
-  do {
-    absl::StatusOr<Lease> session = writers_.TakeFresh();
+  nanoseconds pause = std::chrono::milliseconds(20);
+  while (true) {
+    absl::StatusOr<Lease> session = writers_.TakeFresh(Patience(&owned));
     last = session.status();
     if (session.ok()) {
       const postgres::Claimed claimed = postgres::ClaimAgain(**session, mesh, owner_);
@@ -105,9 +120,12 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
       // The other owner knows; this one cannot be sure.
       if (absl::IsAborted(last)) break;
     }
-    std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, std::chrono::milliseconds(1'000));
-  } while (absl::Now() < end);
+    const nanoseconds left =
+        std::min(end - BootTime(), is_shared() ? LeaseLeft(owned) : nanoseconds::max());
+    if (left <= nanoseconds::zero()) break;
+    std::this_thread::sleep_for(std::min(pause, left));
+    pause = std::min<nanoseconds>(2 * pause, std::chrono::seconds(1));
+  }
   return Disown(owned,
                 absl::UnknownError(absl::StrCat(
                     "it could not be found out whether the change was written: ", last.message())));
@@ -134,8 +152,10 @@ absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
   absl::Status status = CompactIn(mesh, *owned, revision, parts);
+  // Appends wait for this call: without a database it ends at once. The next snapshot sweeps.
+  if (is_shared() && absl::IsUnavailable(status)) return status;
   SweepWhole(mesh);
-  if (absl::StatusOr<Lease> session = readers_.Take(); session.ok()) Measure(**session);
+  if (absl::StatusOr<Lease> session = readers_.Take(Patience()); session.ok()) Measure(**session);
   return status;
 }
 
@@ -145,7 +165,7 @@ absl::Status PostgresJournal::CompactIn(Key mesh, Owned& owned, std::uint64_t re
   const auto step = [&](const std::function<absl::Status(postgres::Session&)>& work) {
     const std::lock_guard lock(owned.mutex);
     if (absl::Status s = CheckLast(owned, revision); !s.ok()) return s;
-    absl::StatusOr<Lease> session = writers_.Take();
+    absl::StatusOr<Lease> session = writers_.Take(Patience());
     return Counted(session.ok() ? work(**session) : session.status());
   };
   bool there = false;
@@ -177,7 +197,7 @@ bool PostgresJournal::Sweep(Key mesh) {
     const std::lock_guard lock(owned->mutex);
     if (owned->gone.ok()) epoch = owned->is.epoch;
   }
-  absl::StatusOr<Lease> session = writers_.Take();
+  absl::StatusOr<Lease> session = writers_.Take(Patience());
   const absl::StatusOr<bool> more =
       session.ok() ? postgres::SweepPart(**session, mesh, epoch, options_.transaction_bytes)
                    : absl::StatusOr<bool>(session.status());

@@ -13,10 +13,15 @@ import traceback
 from typing import Any
 
 from judge import Judge
-from kinds import KINDS, LIMITS, WITHOUT_ERRORS, Kind
+from kind import Kind
+from kinds import KINDS, LIMITS, WITHOUT_ERRORS
 from network import run
 from nodes import Cluster
 from workload import Workload
+
+
+# What readers and watchers count, beside what is judged.
+OTHERS = ("read_errors", "watch_errors", "follower_reads", "follower_read_errors")
 
 
 def quantile(values: list[float], part: float) -> float:
@@ -51,6 +56,7 @@ class Campaign:
         acknowledged = self.work.acknowledged()
         reads = self.work.count.of("reads") + self.work.count.of("probes")
         errors = len(self.work.errors())
+        others = {what: self.work.count.of(what) for what in OTHERS}
         faults = 0
         before = self._judged()
         try:
@@ -60,7 +66,8 @@ class Campaign:
                 seconds += self._one(name, number, kind)
                 faults += 1
                 for figure, value in kind.figures.items():
-                    figures.setdefault(figure, []).extend([] if value is None else [value])
+                    if value is None or isinstance(value, (int, float)):
+                        figures.setdefault(figure, []).extend([] if value is None else [value])
             kind.take_down()
             self.judge.judge(f"after {name}")
         except (RuntimeError, OSError) as error:
@@ -77,9 +84,12 @@ class Campaign:
                                    self._judged(), before):
             line[what] = now - then
         line["errors"] = len(reached)
+        for what in OTHERS:
+            line[what] = self.work.count.of(what) - others[what]
         for figure, values in figures.items():
             line[figure] = {"count": len(values), "p50": quantile(values, 0.5),
-                            "p99": quantile(values, 0.99), "max": quantile(values, 1)}
+                            "p99": quantile(values, 0.99), "max": quantile(values, 1),
+                            "sum": round(sum(values), 3)}
         self.summary.append(line)
         tell(line)
         for told in reached[:5]:
@@ -104,6 +114,7 @@ class Campaign:
         self.work.wait_for_batches("after the fault", 120)
         pauses = {writer.mesh: round(writer.longest_pause(begin, end), 3)
                   for writer in self.work.of(kind.meshes)}
+        kind.figures.update(self.work.read_pauses(kind.meshes, begin, end))
         self.judge.judge(f"{name} {number}")
         tell({"fault": name, "number": number, "pauses": pauses, **kind.figures,
               "wrong": self.judge.wrong[wrong:]})

@@ -55,8 +55,9 @@ class Database:
     def __init__(self, name: str, box: Box, folder: pathlib.Path) -> None:
         self.name = name
         self.address = box.address
+        self.more: dict[str, str] = {}  # settings, from the next start on
         self._box = box
-        self._folder = folder / f"database-{name}"
+        self.folder = self._folder = folder / f"database-{name}"
         self._process: Optional[subprocess.Popen[bytes]] = None
         self._folder.mkdir(mode=0o700)
         user = pwd.getpwnam("postgres")
@@ -87,7 +88,7 @@ class Database:
         (self._folder / "data/standby.signal").touch()
 
     def start(self, primary: Optional[Database] = None) -> None:
-        settings = dict(SETTINGS)
+        settings = {**SETTINGS, **self.more}
         if primary is not None:
             settings["primary_conninfo"] = (f"host={primary.address} user=postgres "
                                             f"application_name={self.name}")
@@ -117,6 +118,19 @@ class Database:
                 except ProcessLookupError:
                     pass
         self._process.wait(PATIENCE)
+
+    def has_ended(self) -> bool:
+        assert self._process is not None
+        return self._process.poll() is not None
+
+    def log_size(self) -> int:
+        return (self._folder / "log").stat().st_size
+
+    def count(self, text: str, since: int) -> int:
+        """How often the log has the text, after the first `since` bytes."""
+        with open(self._folder / "log", "rb") as log:
+            log.seek(since)
+            return log.read().count(text.encode())
 
     def stop(self) -> None:
         assert self._process is not None

@@ -1,77 +1,18 @@
-"""The kinds of faults. Each is a class whose `fault` returns when the fault is over."""
+"""The kinds of faults, and what they may cost at most."""
 from __future__ import annotations
 
 import pathlib
-import random
 import signal
-import subprocess
-import sys
 import time
-from typing import Any, Optional
 
 from databases import PATIENCE
+from disk_full import DiskFull
+from kind import Kind
 from network import Pair, both_ways
-from nodes import Cluster, Node
-from workload import Workload
+from nodes import Node
+from relayed import Latency, LostCommit
 
 FAKETIME = pathlib.Path("/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1")
-
-
-class Kind:
-    """A fault of a random owner of meshes. `meshes`: those whose pauses count; None: all."""
-
-    count = 5  # by default
-
-    def __init__(self, cluster: Cluster, work: Workload, chance: random.Random,
-                 folder: pathlib.Path, lasts: float) -> None:
-        self.cluster = cluster
-        self.lasts = lasts  # seconds, of a stop or of a network without packets
-        self.work = work
-        self.chance = chance
-        self.folder = folder
-        self.meshes: Optional[set[str]] = None
-        self.figures: dict[str, Any] = {}  # of the last fault, beside its pauses
-
-    def set_up(self) -> None:
-        """Before the first one."""
-
-    def fault(self) -> None:
-        raise NotImplementedError
-
-    def take_down(self) -> None:
-        """After the last one."""
-
-    def owner(self) -> Node:
-        """The owner of a random mesh; its meshes are those whose pauses count."""
-        owners = self.cluster.owners()
-        address = owners[self.chance.choice(self.work.writers).mesh][0]
-        self.meshes = {mesh for mesh, (owner, _) in owners.items() if owner == address}
-        return self.cluster.at(address)
-
-    def wait_and_see(self, seconds: float) -> None:
-        """Until then; notes after how many seconds another node has had all of `meshes`."""
-        begin = time.monotonic()
-        before = self.cluster.owners()
-        taken = None
-        while (now := time.monotonic() - begin) < seconds:
-            if taken is None:
-                owners = self.cluster.owners()
-                if all(owners[mesh][0] != before[mesh][0] for mesh in self.meshes or owners):
-                    taken = round(time.monotonic() - begin, 3)
-            time.sleep(min(0.2, seconds - now))
-        self.figures["taken_over_after"] = taken
-
-    def note_moved(self, before: dict[str, tuple[str, int]]) -> None:
-        """How many meshes have another owner or epoch than then."""
-        self.figures["moved"] = sum(
-            owner != before[mesh] for mesh, owner in self.cluster.owners().items())
-
-    def restart_all(self, journal: str) -> None:
-        """One node after the other, with that journal."""
-        for node in self.cluster.nodes:
-            node.drain()
-            node.start(journal)
-            self.cluster.wait_until_steady()
 
 
 class Stop(Kind):
@@ -106,6 +47,8 @@ class Partition(Kind):
             self.wait_and_see(self.lasts)
         finally:
             self.cluster.network.heal()
+        self.figures["sessions"] = int(self.cluster.databases.sql(
+            "SELECT count(*) FROM pg_stat_activity WHERE application_name = 'dynmeshd'"))
 
 
 class PartitionOut(Partition):
@@ -269,39 +212,12 @@ class Clock(Kind):
         self.restart_all(self.cluster.databases.url)
 
 
-class Latency(Kind):
-    """Nodes reach the database by a relay: 50 ms each way, and now and then 200 ms more."""
-
-    _relay: Optional[subprocess.Popen[bytes]] = None
-
-    def set_up(self) -> None:
-        box = self.cluster.network.box()
-        databases = self.cluster.databases
-        words = [f"{port}:{address}:5432" for port, address in enumerate(databases.addresses, 5001)]
-        self._relay = subprocess.Popen(box.command(
-            [sys.executable, pathlib.Path(__file__).with_name("relay.py"), box.address,
-             self.chance.randrange(2**32), *words]))
-        hosts = ",".join(f"{box.address}:{port}" for port in (5001, 5002, 5003))
-        time.sleep(1)
-        self.restart_all(f"postgresql://postgres@{hosts}/postgres")
-
-    def fault(self) -> None:
-        before = self.cluster.owners()
-        time.sleep(self.lasts)
-        self.note_moved(before)
-
-    def take_down(self) -> None:
-        self.restart_all(self.cluster.databases.url)
-        assert self._relay is not None
-        self._relay.kill()
-
-
 KINDS: dict[str, type[Kind]] = {
     "stop": Stop, "partition": Partition, "partition-out": PartitionOut,
     "partition-in": PartitionIn, "flap": Flap, "partition-clients": PartitionClients,
     "partition-nodes": PartitionNodes, "primary": Primary, "standby": Standby,
-    "standbys": Standbys, "cancel": Cancel, "clock": Clock, "latency": Latency, "drain": Drain,
-    "upgrade": Upgrade}
+    "standbys": Standbys, "cancel": Cancel, "lost-commit": LostCommit, "disk-full": DiskFull,
+    "clock": Clock, "latency": Latency, "drain": Drain, "upgrade": Upgrade}
 # What a kind allows at most: seconds without a batch of an affected mesh, 99 of 100.
 LIMITS = {"drain": 0.3, "upgrade": 0.3}
 # Kinds in which no error may reach a client of the library.

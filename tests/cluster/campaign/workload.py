@@ -4,7 +4,7 @@ from __future__ import annotations
 import functools
 import threading
 import time
-from typing import Any, Optional
+from typing import Any, Iterable, Optional, Union
 
 import dynmesh
 import grpc
@@ -17,6 +17,16 @@ STEPS = {2: (0.7548776662466927, 0.5698402909980532),
 KEPT = {2: 60, 3: 25}  # points
 # Errors after which a batch is sent again, with its request id.
 REPEATED = ("UNAVAILABLE", "DEADLINE_EXCEEDED", "UNKNOWN", "CANCELLED")
+
+
+def longest_pause(times: list[float], begin: float, end: float) -> float:
+    """The longest time between two of the moments, of those that overlap; until `end`."""
+    times = list(times)  # they grow
+    longest = 0.0
+    for before, after in zip(times, [*times[1:], max(end, times[-1])]):
+        if after >= begin and before <= end:
+            longest = max(longest, after - before)
+    return longest
 
 
 class Writer(threading.Thread):
@@ -91,14 +101,8 @@ class Writer(threading.Thread):
         self._may_write.set()
 
     def longest_pause(self, begin: float, end: float) -> float:
-        """The longest time between two acknowledged batches, of those that overlap, less the
-        writer's own pause."""
-        times = list(self.times)
-        longest = 0.0
-        for before, after in zip(times, times[1:]):
-            if after >= begin and before <= end:
-                longest = max(longest, after - before)
-        return max(longest - self._pause, 0.0)
+        """The longest time between two acknowledged batches, less the writer's own pause."""
+        return max(longest_pause(self.times, begin, end) - self._pause, 0.0)
 
 
 class Count:
@@ -120,11 +124,39 @@ class Count:
             return self._numbers.get(name, 0)
 
 
+class FollowerReader(threading.Thread):
+    """Takes the snapshot that some node has of a mesh, again and again; it never grows older."""
+
+    def __init__(self, mesh: str, addresses: str, count: Count) -> None:
+        super().__init__(daemon=True)
+        self.times = [time.monotonic()]  # of answers
+        self.mesh = mesh
+        self._count = count
+        self._server = dynmesh.connect(addresses, retry_for=1e9, from_followers=True)
+
+    def run(self) -> None:
+        last = 0
+        while True:
+            try:
+                revision = self._server.call(lambda client: client.snapshot(self.mesh)).revision
+            except dynmesh.errors.DynmeshError as error:
+                self._count.add("follower_read_errors", f"{error.code}: {error}")
+            else:
+                self._count.add("follower_reads")
+                self.times.append(time.monotonic())
+                if revision < last:
+                    self._count.add("stale", f"{self.mesh}: a follower's {revision} after {last}")
+                last = revision
+            time.sleep(0.1)
+
+
 class Reader(threading.Thread):
     """Reads a mesh by the library. A read that begins after a batch was acknowledged has it."""
 
     def __init__(self, writer: Writer, addresses: str, count: Count) -> None:
         super().__init__(daemon=True)
+        self.times = [time.monotonic()]  # of answers
+        self.mesh = writer.mesh
         self._writer = writer
         self._count = count
         self._server = dynmesh.connect(addresses, retry_for=1e9)
@@ -138,6 +170,7 @@ class Reader(threading.Thread):
                 self._count.add("read_errors", f"{error.code}: {error}")
             else:
                 self._count.add("reads")
+                self.times.append(time.monotonic())
                 if found < known:
                     self._count.add("stale", f"{self._writer.mesh}: {found} after {known}")
             time.sleep(0.1)
@@ -238,8 +271,12 @@ class Workload:
                         for i in range(meshes)]
         self.watchers: dict[str, list[Watcher]] = {}
         threads: list[threading.Thread] = list(self.writers)
+        self.readers = [Reader(writer, ",".join(nodes), self.count) for writer in self.writers]
+        self.follower_readers = [
+            FollowerReader(writer.mesh, turned[(i + 2) % len(nodes)], self.count)
+            for i, writer in enumerate(self.writers)]
+        threads += [*self.readers, *self.follower_readers]
         for index, writer in enumerate(self.writers):
-            threads.append(Reader(writer, ",".join(nodes), self.count))
             self.watchers[writer.mesh] = [
                 Watcher(writer.mesh, turned[(index + 1) % len(nodes)], from_followers, self.count)
                 for from_followers in (False, True)]
@@ -263,6 +300,15 @@ class Workload:
 
     def errors(self) -> list[str]:
         return [error for writer in self.writers for error in list(writer.errors)]
+
+    def read_pauses(self, meshes: Optional[set[str]], begin: float, end: float
+                    ) -> dict[str, float]:
+        """The longest time without an answer to a reader of these meshes."""
+        def longest(readers: Iterable[Union[Reader, FollowerReader]]) -> float:
+            return round(max(longest_pause(reader.times, begin, end) for reader in readers
+                             if meshes is None or reader.mesh in meshes), 3)
+        return {"read_pause": longest(self.readers),
+                "follower_read_pause": longest(self.follower_readers)}
 
     def trouble(self) -> list[str]:
         return [writer.trouble for writer in self.writers if writer.trouble]

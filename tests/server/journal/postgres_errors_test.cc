@@ -42,6 +42,13 @@ TEST(PostgresTarget, NamesTheDatabaseWithoutItsPassword) {
   EXPECT_TRUE(absl::StrContains(target->conninfo, "connect_timeout='5'")) << target->conninfo;
   const auto given = postgres::ParseTarget("postgresql:///m?connect_timeout=7");
   EXPECT_TRUE(absl::StrContains(given->conninfo, "connect_timeout='7'")) << given->conninfo;
+  const auto leased = postgres::ParseTarget("postgresql:///m", absl::Seconds(3));
+  for (const char* part : {"connect_timeout='2'", "keepalives_idle='1'", "keepalives_interval='1'",
+                           "tcp_user_timeout='1500'"}) {
+    EXPECT_TRUE(absl::StrContains(leased->conninfo, part)) << leased->conninfo;
+  }
+  EXPECT_EQ(postgres::ParseTarget("postgresql:///m", absl::Minutes(1))->conninfo,
+            postgres::ParseTarget("postgresql:///m")->conninfo);
   for (const char* bad : {"", "/folder", "http://db/x", "postgresql://me:secret@db:x:y/z?a=b"}) {
     const absl::Status status = postgres::ParseTarget(bad).status();
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << bad;

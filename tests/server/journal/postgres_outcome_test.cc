@@ -1,12 +1,14 @@
 // Appends whose answer is lost: what becomes of them is found out, and nothing is written twice.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <random>
 #include <string>
 #include <thread>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "tests/server/journal/postgres_fixture.h"
 #include "tests/server/journal/postgres_proxy.h"
 #include "tests/server/journal/told.h"
@@ -126,6 +128,99 @@ TEST_F(PostgresOutcomeTest, WhatAnotherOwnerMayHaveChangedIsUnknown) {
   ExpectAll(2);
   EXPECT_TRUE(other->Append(key_, Entry{3, "e3"}, Request{"r3", "A"}).ok());
   ExpectAll(3);
+}
+
+// Without a connection to the database, and with leases.
+class PostgresCutOffTest : public PostgresOutcomeTest {
+ protected:
+  PostgresCutOffTest() { OpenWith(absl::Milliseconds(300)); }
+
+  void OpenWith(absl::Duration lease) {
+    journal_.reset();
+    options_.resolve_for = absl::Minutes(1);
+    options_.lease = lease;
+    const std::string url = server_.Url(database_, proxy_.folder()) + "?connect_timeout=60";
+    auto opened = PostgresJournal::Open(url, options_);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    journal_ = *std::move(opened);
+    test::WaitUntil("the end of the lease", [this] { return journal_->Claim(key_).ok(); });
+    EXPECT_TRUE(journal_->Renew("here:1").ok());
+    EXPECT_TRUE(Append(++last_).ok());  // prepared, as above
+  }
+  // It is claimed by this journal, by another one, and written to by both in turn.
+  void ExpectThatAllGoesOn() {
+    ASSERT_TRUE(journal_->Claim(key_).ok());
+    ExpectAll(++last_);
+    EXPECT_TRUE(Append(++last_).ok());
+    const JournalPtr other = Open(options_);
+    test::WaitUntil("the end of the lease", [&] { return other->Claim(key_).ok(); });
+    EXPECT_EQ(OutcomeOf(Append(++last_)), AppendOutcome::kFenced);
+    const std::string number = absl::StrCat(last_);
+    EXPECT_TRUE(other->Append(key_, Entry{last_, "e" + number}, Request{"r" + number, "A"}).ok());
+    ExpectAll(last_);
+  }
+
+  std::uint64_t last_ = 1;  // revision
+};
+
+TEST_F(PostgresCutOffTest, AnOutcomeIsLookedForUntilTheLeaseEnds) {
+  proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Refuse(true); });
+  const absl::Time start = absl::Now();
+  EXPECT_EQ(OutcomeOf(Append(last_ + 1)), AppendOutcome::kUnknown);
+  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
+  proxy_.Refuse(false);
+  ExpectThatAllGoesOn();
+}
+
+TEST_F(PostgresCutOffTest, AConnectionThatIsNotMadeIsNotWaitedForLonger) {
+  proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Ignore(true); });
+  const absl::Time start = absl::Now();
+  EXPECT_EQ(OutcomeOf(Append(last_ + 1)), AppendOutcome::kUnknown);
+  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
+  proxy_.Ignore(false);
+  ExpectThatAllGoesOn();
+}
+
+TEST_F(PostgresCutOffTest, WhetherAMeshWasMadeOrDeletedMayStayUnknown) {
+  // Prepared, as above.
+  ASSERT_TRUE(journal_->Delete(*journal_->Create("prepared", "")).ok());
+  const absl::Time start = absl::Now();
+  proxy_.CutNext(
+      Cut::kAnswer, [this] { proxy_.Ignore(true); }, /*skipped=*/1);  // that of the key
+  const absl::Status made = journal_->Create("other", "").status();
+  EXPECT_TRUE(absl::IsUnknown(made)) << made;
+  proxy_.Ignore(false);
+  EXPECT_TRUE(absl::IsAlreadyExists(journal_->Create("other", "").status()));
+
+  ASSERT_TRUE(journal_->Delete(*journal_->Create("third", "")).ok());
+  proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Ignore(true); });
+  const absl::Status deleted = journal_->Delete(key_);
+  EXPECT_TRUE(absl::IsUnknown(deleted)) << deleted;
+  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
+  proxy_.Ignore(false);
+  EXPECT_TRUE(absl::IsNotFound(journal_->Delete(key_)));
+}
+
+TEST_F(PostgresCutOffTest, WhileTheLeaseIsRenewedTheOutcomeIsLookedFor) {
+  OpenWith(absl::Seconds(2));
+  proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Refuse(true); });
+  absl::Status appended = absl::InternalError("none");
+  std::atomic<bool> over{false};
+  std::thread writer([&] {
+    appended = Append(last_ + 1);
+    over = true;
+  });
+  test::WaitUntil("the end of the connection", [this] { return proxy_.cuts() == 1; });
+  const absl::Time end = absl::Now() + 1.5 * options_.lease;
+  while (absl::Now() < end) {
+    EXPECT_TRUE(journal_->Renew("here:1").ok());
+    absl::SleepFor(absl::Milliseconds(10));
+  }
+  EXPECT_FALSE(over);
+  proxy_.Refuse(false);
+  writer.join();
+  EXPECT_TRUE(appended.ok()) << appended;
+  ExpectAll(last_ + 1);
 }
 
 TEST_F(PostgresOutcomeTest, AMeshThatWasSetBackMeanwhileIsNotGoneOnWith) {

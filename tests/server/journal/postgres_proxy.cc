@@ -107,7 +107,9 @@ bool PostgresProxy::Take(Cut wanted) {
 }
 
 void PostgresProxy::Serve(int client) {
-  const int server = ConnectTo(server_);
+  const bool ignored = ignores_;
+  while (ignores_ && !ends_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const int server = ignored ? -1 : ConnectTo(server_);
   bool open = server >= 0;
   while (open && !ends_) {
     pollfd sides[] = {{client, POLLIN, 0}, {server, POLLIN, 0}};

@@ -35,6 +35,8 @@ class PostgresProxy {
   void CutNext(Cut cut, std::function<void()> then = nullptr, int skipped = 0);
   // While true, connections are closed as soon as they are made.
   void Refuse(bool yes) { refuses_ = yes; }
+  // While true, nothing is answered on new connections; they are closed when it is false again.
+  void Ignore(bool yes) { ignores_ = yes; }
   // Sends what came too late, and waits until the server has answered it.
   void Release();
   int cuts() const { return cuts_; }
@@ -47,7 +49,7 @@ class PostgresProxy {
   const std::string server_;
   test::TempFolder folder_;
   int listener_ = -1;
-  std::atomic<bool> ends_{false}, refuses_{false}, released_{false};
+  std::atomic<bool> ends_{false}, refuses_{false}, ignores_{false}, released_{false};
   std::atomic<int> cuts_{0}, late_{0};
   std::mutex mutex_;
   Cut cut_ = Cut::kNone;

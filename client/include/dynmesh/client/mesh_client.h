@@ -115,9 +115,10 @@ struct ClientOptions {
 // Several servers may share their meshes; each mesh is at one of them at a time. The client goes to
 // that one by itself, as NOT_OWNER names it, and repeats the call there. If a server that has
 // meshes ends, another one takes them over after some seconds. So, if the client knows several
-// servers, it repeats a call that one of them did not answer at another: reads, and changes with a
-// request_id, some ten seconds long. Apart from that it never repeats a call. A load, and an edit
-// session, are not repeated, but the next one goes to the right server.
+// servers, it repeats a call that one of them did not answer, or answered with OUTCOME_UNKNOWN, at
+// another: reads, and changes with a request_id, some ten seconds long. Apart from that it never
+// repeats a call. A load, and an edit session, are not repeated, but the next one goes to the right
+// server; after JOURNAL_FAILED the next call asks another one.
 //
 // The client reconnects to a server by itself, after pauses of 0.1 to 5 seconds. If
 // ServiceError::retry_after is set, repeat the call after that time. Changes are safe to repeat
