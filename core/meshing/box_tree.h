@@ -1,6 +1,8 @@
-// Regions of any size: which ones may meet a ball? A loose quadtree or octree. A region is kept in
-// the smallest cell of about its own size, and may extend beyond the cell by half of the cell's
-// side. Each region has a key; a search may skip those of large key.
+// Regions of any size: which ones may meet a ball? A quadtree or octree. A region is kept in the
+// smallest cell of about its own size that has its centre, and may extend beyond the cell by half
+// of the cell's side. A cell also knows the box around its regions and those of its subtree, which
+// is much smaller than the cell where regions lie on a surface. Each region has a key; a search may
+// skip those of large key.
 //
 // A Region has corners `lo` and `hi` and a `radius`: it lies within that distance of the box
 // between them. LeastCell() >= 0 is the size of the smallest cell that is useful for it; Key() is
@@ -19,6 +21,7 @@
 
 #include "core/base/rounding.h"
 #include "core/geometry/point.h"
+#include "core/meshing/extent.h"
 
 namespace dynmesh::meshing {
 
@@ -36,6 +39,7 @@ class BoxTree {
   // Covers the box: regions should meet it.
   BoxTree(const Point& lo, const Point& hi) : root_{0, {}, 0} {
     for (int k = 0; k < D; ++k) {
+      largest_ = std::max({largest_, std::fabs(lo[k]), std::fabs(hi[k])});
       root_.centre[k] = 0.5 * (lo[k] + hi[k]);
       root_.half = std::max(root_.half, hi[k] - lo[k]);
     }
@@ -60,8 +64,7 @@ class BoxTree {
   bool Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
            Accept accept) const;
   // Calls accept(index) until it returns true, and returns whether it did. Skips boxes for which
-  // enter(least key, centre, half of the sides) is false. The largest regions are in no box: for
-  // them the half is INFINITY.
+  // enter(least key, box) is false.
   template <class Enter, class Accept>
   bool Visit(Enter enter, Accept accept) const;
 
@@ -80,8 +83,9 @@ class BoxTree {
   struct Node {
     std::array<std::uint32_t, 1 << D> child = Filled();
     std::uint32_t parent = kNone;
-    std::uint32_t first = kNone;  // the first item, or kNone
-    double least = INFINITY;      // the least key in the subtree
+    std::uint32_t first = kNone;           // the first item, or kNone
+    double least = INFINITY;               // the least key in the subtree
+    Extent<D> box = Extent<D>::Nothing();  // around the regions in the subtree
   };
   struct Item {
     Region region;
@@ -106,9 +110,12 @@ class BoxTree {
     return child;
   }
   std::uint32_t NewNode(std::uint32_t parent);
-  void UpdateLeast(std::uint32_t node);
+  void Cover(Node& node, const Region& region) const;
+  static void Cover(Node& node, const Node& child);
+  void Shrink(std::uint32_t node);
 
   Cell root_;
+  double largest_ = 0;  // the largest coordinate of the box covered
   std::vector<Node> nodes_;
   std::vector<Item> items_;
   std::vector<std::uint32_t> free_nodes_, free_items_;
@@ -146,7 +153,10 @@ typename BoxTree<D, Region>::Index BoxTree<D, Region>::Add(Region region) {
   items_[index] = {std::move(region), cell.node, nodes_[cell.node].first};
   nodes_[cell.node].first = index;
   ++count_;
-  UpdateLeast(cell.node);
+  Cover(nodes_[cell.node], items_[index].region);
+  for (std::uint32_t n = cell.node; nodes_[n].parent != kNone; n = nodes_[n].parent) {
+    Cover(nodes_[nodes_[n].parent], nodes_[n]);
+  }
   return index;
 }
 
@@ -159,7 +169,7 @@ void BoxTree<D, Region>::Remove(Index index) {
   items_[index].region = {};
   free_items_.push_back(index);
   --count_;
-  UpdateLeast(node);
+  Shrink(node);
 }
 
 template <int D, class Region>
@@ -177,17 +187,37 @@ std::uint32_t BoxTree<D, Region>::NewNode(std::uint32_t parent) {
   return n;
 }
 
-// Updates `least` from a node with changed items up to the root. Frees empty cells.
+// The box is wider than the region by more than tests of regions round.
 template <int D, class Region>
-void BoxTree<D, Region>::UpdateLeast(std::uint32_t n) {
+void BoxTree<D, Region>::Cover(Node& node, const Region& region) const {
+  double largest = std::max(largest_, region.radius);
+  for (int k = 0; k < D; ++k) {
+    largest = std::max({largest, std::fabs(region.lo[k]), std::fabs(region.hi[k])});
+  }
+  const double margin = region.radius * kBarelyWider + 0x1p-44 * largest;
+  node.box.AddBall(region.lo, margin);
+  node.box.AddBall(region.hi, margin);
+  node.least = std::min(node.least, region.Key());
+}
+
+template <int D, class Region>
+void BoxTree<D, Region>::Cover(Node& node, const Node& child) {
+  node.box.AddBall({child.box.lo}, 0);
+  node.box.AddBall({child.box.hi}, 0);
+  node.least = std::min(node.least, child.least);
+}
+
+// Updates `least` and `box` from a node that has lost an item up to the root. Frees empty cells.
+template <int D, class Region>
+void BoxTree<D, Region>::Shrink(std::uint32_t n) {
   while (n != kNone) {
     Node& node = nodes_[n];
     node.least = INFINITY;
-    for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
-      node.least = std::min(node.least, items_[i].region.Key());
-    }
+    node.box = Extent<D>::Nothing();
+    for (std::uint32_t i = node.first; i != kNone; i = items_[i].next)
+      Cover(node, items_[i].region);
     for (const std::uint32_t child : node.child) {
-      if (child != kNone) node.least = std::min(node.least, nodes_[child].least);
+      if (child != kNone) Cover(node, nodes_[child]);
     }
     const std::uint32_t parent = node.parent;
     if (node.least == INFINITY && parent != kNone) {
@@ -202,16 +232,23 @@ template <int D, class Region>
 template <class IsHidden, class Accept>
 bool BoxTree<D, Region>::Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
                              Accept accept) const {
+  Extent<D> around = Extent<D>::Nothing();
+  around.AddBall(centre, radius);
   return Visit(
-      [&](double least, const Point& middle, double half) {
+      [&](double least, const Extent<D>& box) {
         if (!(least < bound)) return false;
-        if (half == INFINITY) return true;
         bool beyond = false;
-        for (int k = 0; k < D; ++k) beyond |= std::fabs(centre[k] - middle[k]) > half + radius;
+        for (int k = 0; k < D; ++k) {
+          beyond |= !(box.lo[k] <= around.hi[k]) | !(around.lo[k] <= box.hi[k]);
+        }
         if (beyond) return false;
-        std::array<double, D> halves;
-        halves.fill(half);
-        return !is_hidden(middle, halves);
+        Point middle;
+        std::array<double, D> half;
+        for (int k = 0; k < D; ++k) {
+          middle[k] = 0.5 * (box.lo[k] + box.hi[k]);
+          half[k] = 0.5 * (box.hi[k] - box.lo[k]);
+        }
+        return !is_hidden(middle, half);
       },
       [&](Index i) { return items_[i].region.Key() < bound && accept(i); });
 }
@@ -219,21 +256,17 @@ bool BoxTree<D, Region>::Any(const Point& centre, double radius, double bound, I
 template <int D, class Region>
 template <class Enter, class Accept>
 bool BoxTree<D, Region>::Visit(Enter enter, Accept accept) const {
-  std::array<Cell, (1 << D) * kMostDepth> stack;
+  std::array<std::uint32_t, (1 << D) * kMostDepth> stack;
   std::size_t top = 0;
-  stack[top++] = root_;
+  stack[top++] = 0;
   while (top > 0) {
-    const Cell cell = stack[--top];
-    const Node& node = nodes_[cell.node];
-    // A region extends at most by the side's length from the centre of its cell. The root is an
-    // exception: it holds all larger regions.
-    const double half = cell.node == 0 ? INFINITY : 2 * cell.half * kBarelyWider;
-    if (!enter(node.least, cell.centre, half)) continue;
+    const Node& node = nodes_[stack[--top]];
+    if (!enter(node.least, node.box)) continue;
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
       if (accept(i)) return true;
     }
-    for (int q = 0; q < 1 << D; ++q) {
-      if (node.child[q] != kNone) stack[top++] = Child(cell, q, node.child[q]);
+    for (const std::uint32_t child : node.child) {
+      if (child != kNone) stack[top++] = child;
     }
   }
   return false;

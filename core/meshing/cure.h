@@ -88,6 +88,11 @@ class CureWork {
     return complex_.slivers.IsSliver(
         v, p, [this](VertexIndex a, VertexIndex b) { return complex_.IsSeditious(a, b); });
   }
+  // Is the tetrahedron of x and three vertices too short or too large? `ball_of()`: its
+  // circumscribed ball, seen from x.
+  template <class BallOf>
+  bool IsTooShortOrLarge(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
+                         const Point& x, const Sliver& sliver, BallOf ball_of) const;
   // True if the tetrahedron at corner i of the star is good.
   bool IsGoodCorner(int i, const Sliver& sliver) const;
   void AddCornerTo(Reads* reads, int i) const;
@@ -140,7 +145,9 @@ bool CureWork<D, E>::AnyCureIn(Context& context, const Point& centre, double rad
   bool any = false;
   double radius2 = radius * radius * kWider + 16 * complex_.rules.ulp() * complex_.rules.ulp();
   complex_.cured.VisitBall(centre, radius2, [&](std::uint32_t v, const Point& p, double) {
-    any = any || (context.Sees(complex_.vertex(v).birth) && f(v, p));
+    if (any || !context.Sees(complex_.vertex(v).birth) || !f(v, p)) return;
+    any = true;
+    radius2 = -1;  // one is enough
   });
   return any;
 }
@@ -170,9 +177,15 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     base.CavityOf(x, sliver.simplex, &cavity_);
     for (const auto& [a, b, c] : cavity_.facets) {
       const Point &p = base.position(a), &q = base.position(b), &r = base.position(c);
-      if (!IsSliver({a, b, c, kNil}, {p, q, r, x})) continue;
-      if (!Counts(RefinementTerm::kCureKeepsAngles)) continue;
-      const geometry::Circumball ball = geometry::CircumballOf(x, p, r, q);
+      const auto ball_of = [&] { return geometry::CircumballOf(x, p, r, q); };
+      bool is_bad =
+          Counts(RefinementTerm::kCureKeepsAngles) && IsSliver({a, b, c, kNil}, {p, q, r, x});
+      // What would be refused at the star is refused without it. A trace has the star's record.
+      if constexpr (!kTraced) {
+        is_bad = is_bad || IsTooShortOrLarge({a, b, c}, {p, q, r}, x, sliver, ball_of);
+      }
+      if (!is_bad) continue;
+      const geometry::Circumball ball = ball_of();
       const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
       Point centre = x;
       for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
@@ -235,28 +248,56 @@ void CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Po
 }
 
 template <int D, template <class> class E>
-bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
+template <class BallOf>
+bool CureWork<D, E>::IsTooShortOrLarge(const std::array<VertexIndex, 3>& v,
+                                       const std::array<Point, 3>& p, const Point& x,
+                                       const Sliver& sliver, BallOf ball_of) const {
   if constexpr (D == 3) {
-    const auto& corner = star_.corner(i);
-    std::array<Point, 4> p;
-    std::array<VertexIndex, 4> v;
-    p[3] = star_.position(), v[3] = kNil;
     const double least2 = kCureDistance * kCureDistance * sliver.shortest2;
-    double shortest2 = INFINITY;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto& u = star_[corner.n[k]];
-      p[k] = u.p, v[k] = u.id;
-      if (u.d2 < least2) return false;
-      shortest2 = std::min(shortest2, u.d2);
+    double shortest2 = INFINITY, longest2 = 0;
+    for (const Point& q : p) {
+      const double d2 = geometry::SquaredDistance(q, x);
+      if (d2 < least2) return true;
+      shortest2 = std::min(shortest2, d2);
+      longest2 = std::max(longest2, d2);
     }
     for (std::size_t k = 0; k < 3; ++k) {
       const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
       if (d2 < shortest2 && !complex_.IsSeditious(v[k], v[(k + 1) % 3])) shortest2 = d2;
     }
-    using enum RefinementTerm;
-    return !(Counts(kCureKeepsQuality) && complex_.rules.IsTooFar(corner.r2, shortest2)) &&
-           !complex_.IsTooLarge(CentreOf(star_, i), corner.r2) &&
-           !(Counts(kCureKeepsAngles) && IsSliver(v, p));
+    const bool keeps_quality = Counts(RefinementTerm::kCureKeepsQuality);
+    // No two points of a sphere are farther apart than its diameter.
+    if (keeps_quality && complex_.rules.IsTooFar(0.25 * kNarrower * longest2, shortest2))
+      return true;
+    const geometry::Circumball ball = ball_of();
+    Point centre = x;
+    for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
+    return (keeps_quality && complex_.rules.IsTooFar(ball.r2, shortest2)) ||
+           complex_.IsTooLarge(centre, ball.r2);
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
+  if constexpr (D == 3) {
+    const auto& corner = star_.corner(i);
+    const Point& x = star_.position();
+    std::array<VertexIndex, 3> v;
+    std::array<Point, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      v[k] = star_[corner.n[k]].id;
+      p[k] = star_[corner.n[k]].p;
+    }
+    const auto ball_of = [&] {
+      geometry::Circumball ball;
+      ball.w = corner.w;
+      ball.r2 = corner.r2;
+      return ball;
+    };
+    return !IsTooShortOrLarge(v, p, x, sliver, ball_of) &&
+           !(Counts(RefinementTerm::kCureKeepsAngles) &&
+             IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
   }
   return false;
 }

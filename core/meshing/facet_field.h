@@ -196,7 +196,15 @@ class FacetField {
   // box is hidden.
   template <class IsHidden, class F>
   void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
-    extents_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
+    AnyNear(centre, radius, is_hidden, [&](const Facet& facet) {
+      f(facet);
+      return false;
+    });
+  }
+  // The same until accept(facet) is true; returns whether it was.
+  template <class IsHidden, class Accept>
+  bool AnyNear(const Point& centre, double radius, IsHidden is_hidden, Accept accept) const {
+    return extents_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
       const Region& extent = extents_[i];
       if (!extent.where.MayMeet(centre, radius)) return false;
       Point middle;
@@ -205,8 +213,7 @@ class FacetField {
         middle[k] = 0.5 * (extent.lo[k] + extent.hi[k]);
         half[k] = 0.5 * (extent.hi[k] - extent.lo[k]);
       }
-      if (!is_hidden(middle, half)) f(facets_[extent.facet]);
-      return false;
+      return !is_hidden(middle, half) && accept(facets_[extent.facet]);
     });
   }
 

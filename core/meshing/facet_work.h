@@ -116,6 +116,10 @@ class FacetWork {
   // facet has that edge at a small angle and the turned point in the ball, which has no vertex
   // inside. `free`: the distance from the point to the ball's surface.
   bool MoveToLattice(const Point& centre, double radius, double free, Candidate<D>* point) const;
+  // True if a neighbour's bisector has the box behind it. Conservative: may return false
+  // needlessly.
+  bool IsOutsideOfCell(const Star<D>& star, const Point& centre,
+                       const std::array<double, D>& half) const;
   // True if a neighbour is at x, within rounding.
   bool HasNeighbourAt(const Star<D>& star, const Point& x) const;
   // True if an edge of the star goes through the facet, with neither end on it.
@@ -123,6 +127,8 @@ class FacetWork {
 
   const Complex<D, E>& complex_;
   CellCut cut_;
+  // Of LeavesWhole: places tried one after the other are mostly near the same facet.
+  FeatureSlot last_met_ = kNil;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -151,17 +157,8 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
     const double far = std::min(std::sqrt(far2), star.reach()) * kWider;
     bool found = false, begun = false;
     std::optional<Counterpart> counterpart;  // of v, on the facet of the best point
-    // A box behind a neighbour's bisector is outside of the cell.
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
-      const auto d = geometry::Difference(centre.c, star.position().c);
-      return std::ranges::any_of(star.neighbours(), [&](const typename Star<D>::Neighbour& u) {
-        if (!Star<D>::IsUsed(u)) return false;
-        double least = -0.5 * kWider * u.d2;  // minimum over the box
-        for (int k = 0; k < 3; ++k) {
-          least += d[k] * u.d[k] - (half[k] + 4 * complex_.rules.ulp()) * std::fabs(u.d[k]);
-        }
-        return least > 0;
-      });
+      return IsOutsideOfCell(star, centre, half);
     };
     complex_.facets.ForEachNear(star.position(), far, is_hidden, [&](const Facet& facet) {
       if (complex_.IsOnFacet(star.vertex(), facet)) return;
@@ -264,6 +261,23 @@ bool FacetWork<D, E>::MoveToLattice(const Point& centre, double radius, double f
 }
 
 template <int D, template <class> class E>
+bool FacetWork<D, E>::IsOutsideOfCell(const Star<D>& star, const Point& centre,
+                                      const std::array<double, D>& half) const {
+  if constexpr (D == 3) {
+    const auto d = geometry::Difference(centre.c, star.position().c);
+    return std::ranges::any_of(star.neighbours(), [&](const typename Star<D>::Neighbour& u) {
+      if (!Star<D>::IsUsed(u)) return false;
+      double least = -0.5 * kWider * u.d2;  // minimum over the box
+      for (int k = 0; k < 3; ++k) {
+        least += d[k] * u.d[k] - (half[k] + 4 * complex_.rules.ulp()) * std::fabs(u.d[k]);
+      }
+      return least > 0;
+    });
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
 bool FacetWork<D, E>::HasNeighbourAt(const Star<D>& star, const Point& x) const {
   constexpr double kRounding2 = 0x1p-60;  // squared, in units of the distance from v
   const double least2 = kRounding2 * geometry::SquaredDistance(star.position(), x);
@@ -303,20 +317,30 @@ void FacetWork<D, E>::MoveToFacet(const Star<D>& star, Candidate<D>* gap) const 
 
 template <int D, template <class> class E>
 bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
-  bool found = false;
   if constexpr (D == 3) {
     if (complex_.facets.empty()) return true;
     double far2 = 0;
     for (const auto& corner : star.corners()) far2 = std::max(far2, corner.r2);
-    cut_.Begin(star);
-    complex_.facets.ForEachNear(star.position(), std::sqrt(far2) * kWider, [&](const Facet& facet) {
-      if (found || facet.feature() == on) return;
+    const double far = std::sqrt(far2) * kWider;
+    const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
+      return IsOutsideOfCell(star, centre, half);
+    };
+    const auto is_met = [&](const Facet& facet) {
+      if (facet.feature() == on) return false;
       const auto cut = cut_.Of(facet);
-      found = cut && !(cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
-                       !IsJoinedThrough(star, facet));
-    });
+      if (!cut || (cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
+                   !IsJoinedThrough(star, facet))) {
+        return false;
+      }
+      last_met_ = facet.feature();
+      return true;
+    };
+    cut_.Begin(star);
+    const FacetIndex last = complex_.facets.OfFeature(last_met_);
+    if (last != kNil && is_met(complex_.facets[last])) return false;
+    return !complex_.facets.AnyNear(star.position(), far, is_hidden, is_met);
   }
-  return !found;
+  return true;
 }
 
 }  // namespace dynmesh::meshing

@@ -132,11 +132,11 @@ int SizingField<D>::LevelNear(const Point& x, double margin, int below, bool any
   };
   set_bounds();
   regions_.Visit(
-      [&](double least, const Point& centre, double half) {
+      [&](double least, const Extent<D>& box) {
         if (!(least < key)) return false;
         double d2 = 0;
         for (int k = 0; k < D; ++k) {
-          const double d = std::max(0.0, std::fabs(x[k] - centre[k]) - half);
+          const double d = std::max({0.0, box.lo[k] - x[k], x[k] - box.hi[k]});
           d2 += d * d;
         }
         return d2 < far2;
