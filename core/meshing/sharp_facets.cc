@@ -32,11 +32,20 @@ Vector3 Along(const Facet& facet, const Facet::Edge& edge) {
   return Along(facet.PositionOf(edge.first), facet.PositionOf(edge.second));
 }
 
-// From the edge over the facet's inside. The same for both directions of the edge, unless it is so
-// flat there that `beside` rounds onto the edge.
+// Edges are sorted by the indices of their ends, which depend on former edits. What is computed
+// from an edge begins at the end with the lesser position: the same for all facets that have it.
+Facet::Edge FromTheLesserEnd(const Facet& facet, Facet::Edge edge) {
+  if (facet.PositionOf(edge.second) < facet.PositionOf(edge.first)) {
+    std::swap(edge.first, edge.second);
+  }
+  return edge;
+}
+
+// From the edge over the facet's inside.
 Vector3 InwardOf(const Facet& facet, const Facet::Edge& edge) {
   constexpr double kBeside = 0x1p-20;  // in lengths of the edge
-  const Point3 &p = facet.PositionOf(edge.first), &q = facet.PositionOf(edge.second);
+  const Facet::Edge from = FromTheLesserEnd(facet, edge);
+  const Point3 &p = facet.PositionOf(from.first), &q = facet.PositionOf(from.second);
   Vector3 inward = geometry::Cross(facet.plane().normal, Along(p, q));
   const double aside = kBeside * std::sqrt(geometry::SquaredDistance(p, q));
   Point3 beside = geometry::Midpoint(p, q);
@@ -84,15 +93,6 @@ bool AnyLeansOver(const Facet& f, const Facet& g, VertexIndex corner) {
   return std::ranges::any_of(f.EdgesAt(corner), [&](const Facet::Edge& edge) {
     return !g.HasEdge(edge.first, edge.second) && LeansOver(Along(f, edge), g, corner);
   });
-}
-
-// Edges are sorted by the indices of their ends, which depend on former edits. What is computed
-// from an edge begins at the end with the lesser position: the same for all facets that have it.
-Facet::Edge FromTheLesserEnd(const Facet& facet, Facet::Edge edge) {
-  if (facet.PositionOf(edge.second) < facet.PositionOf(edge.first)) {
-    std::swap(edge.first, edge.second);
-  }
-  return edge;
 }
 
 // Of the places inside a facet, that with the nearest axis; of several the least place, then the
