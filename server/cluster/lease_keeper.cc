@@ -19,8 +19,8 @@ void LeaseKeeper::Run() {
     const std::chrono::nanoseconds sent = BootTime();
     const absl::Status renewed = calls_.renew();
     if (renewed.ok()) {
+      renewed_ = sent.count();  // first: if reads are answered, there is an age
       reads_.Renewed(sent);
-      renewed_ = sent.count();
     }
     if (failing == renewed.ok()) {
       failing = !failing;

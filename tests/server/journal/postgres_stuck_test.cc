@@ -2,6 +2,7 @@
 // more on a connection that stays open. Another server can have the mesh nevertheless.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <string>
 
 #include "absl/strings/numbers.h"
@@ -42,7 +43,7 @@ TEST_F(PostgresStuckTest, ATransactionThatGoesOnNoMoreKeepsNoMesh) {
     const Journal::Key key = *other->Create(absl::StrCat("m", skipped), "");
     ASSERT_TRUE(journal->Claim(key).ok());
     ASSERT_TRUE(journal->Append(key, Journal::Entry{1, "x"}, std::nullopt).ok());
-    int waiting = 0;
+    std::atomic<int> waiting{0};  // another thread writes it
     proxy_.CutNext(
         PostgresProxy::Cut::kLate, [&] { waiting = Waiting(); }, skipped);
     (void)journal->Compact(key, 1, {"part-zero", "part-one"});
