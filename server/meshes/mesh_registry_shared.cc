@@ -22,6 +22,10 @@ constexpr std::size_t kPage = 1'000;
 // A read waits so long for a revision, or for the mesh to be followed; then its owner is named.
 constexpr std::chrono::seconds kFollowerPatience(1);
 
+// Between two meshes that are handed over: about what the next server does for one of them. All at
+// once would wait there for each other, and so would their clients.
+constexpr absl::Duration kHandOverPause = absl::Milliseconds(20);
+
 absl::Status Lost() { return absl::AbortedError("another server has the mesh"); }
 
 }  // namespace
@@ -184,7 +188,10 @@ void MeshRegistry::HandOver(absl::Duration limit) {
   };
   const auto left = std::make_shared<Left>();
   left->meshes = meshes.size();
+  const absl::Duration pause =
+      std::min(kHandOverPause, limit / (4 * static_cast<std::int64_t>(meshes.size() + 1)));
   for (const auto& [host, key] : meshes) {
+    if (&host != &meshes.front().first) absl::SleepFor(pause);
     const std::string& id = host->id();
     host->HandOver(
         [journal = shared_, address = address_, id, key = key,
