@@ -25,6 +25,7 @@ class EditGroupTest : public HostFixture {
     EXPECT_TRUE(SetLogLevel("off").ok());
     // The grouping must not depend on the machine's speed.
     options_.turn = {1000, std::chrono::hours(1)};
+    options_.long_batch = std::chrono::hours(1);
   }
   ~EditGroupTest() override {
     gate_->Release();
