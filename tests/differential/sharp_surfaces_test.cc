@@ -2,15 +2,17 @@
 // the static mesh are those of a run from scratch, and a replica follows.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tests/differential/differential.h"
 #include "tests/support/nightly.h"
+#include "tests/support/surfaces.h"
 
 namespace dynmesh::test {
 namespace {
@@ -23,10 +25,7 @@ class SharpSurfaces : public testing::TestWithParam<std::uint64_t> {
 
   // In random order: their indices are others than from scratch.
   void Load(std::vector<Feature> features) {
-    for (std::size_t i = features.size(); i > 1; --i) {
-      std::swap(features[i - 1],
-                features[static_cast<std::size_t>(random_.Below(static_cast<int>(i)))]);
-    }
+    std::shuffle(features.begin(), features.end(), std::mt19937_64(GetParam()));
     Apply(AddAll(features));
   }
   void Apply(const EditBatch& batch) {
@@ -95,15 +94,8 @@ TEST_P(SharpSurfaces, AConeMovesThroughABox) {
     features.push_back(Feature::Polygon(kFaces + i, {{kApex, kRim + i, kRim + (i + 1) % kSides}}));
   }
   features.push_back(Feature::Polygon(kFaces + kSides, {rim}));
-  for (FeatureId i = 0; i < 8; ++i) {
-    features.push_back(PointAt(1 + i, {i & 1 ? .4 : -.4, i & 2 ? .2 : -.2, i & 4 ? .15 : -.15}));
-  }
-  constexpr FeatureId kBox[6][4] = {{1, 2, 4, 3}, {5, 6, 8, 7}, {1, 2, 6, 5},
-                                    {3, 4, 8, 7}, {1, 3, 7, 5}, {2, 4, 8, 6}};
-  for (FeatureId i = 0; i < 6; ++i) {
-    features.push_back(
-        Feature::Polygon(10 + i, {{kBox[i][0], kBox[i][1], kBox[i][2], kBox[i][3]}}));
-  }
+  const std::vector<Feature> box = BoxSurface(1, {.1, .3, .35}, {.9, .7, .65});
+  features.insert(features.end(), box.begin(), box.end());
   ASSERT_NO_FATAL_FAILURE(Load(features));
   for (int step = 1; step <= 8; ++step) {
     EditBatch moved;
@@ -123,17 +115,11 @@ TEST_P(SharpSurfaces, FacesOfAScanComeAndGo) {
     return PointAt(id(x, y), {.12 * (x - 2 + .3 * random_.Unit()), .12 * (y - 2),
                               .05 * random_.Unit() + .1 * (x % 2)});
   };
-  std::vector<Feature> features, faces;
+  std::vector<Feature> features;
   for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      features.push_back(corner(x, y));
-      if (x == 0 || y == 0) continue;
-      const FeatureId a = id(x - 1, y - 1), b = id(x, y - 1), c = id(x, y), d = id(x - 1, y);
-      const auto next = static_cast<FeatureId>(100 + faces.size());
-      faces.push_back(Feature::Polygon(next, {{a, b, c}}));
-      faces.push_back(Feature::Polygon(next + 1, {{a, c, d}}));
-    }
+    for (int x = 0; x < kSide; ++x) features.push_back(corner(x, y));
   }
+  const std::vector<Feature> faces = GridTriangles(kSide - 1, 100, id);
   features.insert(features.end(), faces.begin(), faces.end());
   ASSERT_NO_FATAL_FAILURE(Load(features));
   for (int step = 0; step < 8; ++step) {

@@ -1,8 +1,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "tests/differential/locality_scenes.h"
+#include "tests/support/surfaces.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
@@ -15,20 +17,8 @@ Scene InSpace() {
   return scene;
 }
 
-// The faces of a box; ids from `first` on.
-void AddBox(FeatureId first, const std::array<double, 3>& lo, const std::array<double, 3>& hi,
-            Scene& scene) {
-  for (FeatureId i = 0; i < 8; ++i) {
-    scene.features.push_back(Feature::Point(first + i, i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1],
-                                            i & 4 ? hi[2] : lo[2]));
-  }
-  constexpr FeatureId kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                      {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
-  for (FeatureId face = 0; face < 6; ++face) {
-    const auto& c = kFaces[face];
-    scene.features.push_back(Feature::Polygon(
-        first + 8 + face, {{first + c[0], first + c[1], first + c[2], first + c[3]}}));
-  }
+void AddAllOf(const std::vector<Feature>& features, Scene& scene) {
+  scene.features.insert(scene.features.end(), features.begin(), features.end());
 }
 
 // A box of thickness 1 / n; points in it and above it.
@@ -36,7 +26,7 @@ Scene Slab(int n) {
   Scene scene = InSpace();
   scene.options.box = {{-1, -1, -1}, {2, 2, 2}};
   const double t = 1.0 / n;
-  AddBox(1, {0, 0, 0}, {1, 1, t}, scene);
+  AddAllOf(BoxSurface(1, {0, 0, 0}, {1, 1, t}), scene);
   Random random(7);
   for (const double height : {0.5 * t, 0.4 * t, 3 * t, 1.3 * t}) {
     const double x = 0.2 + 0.6 * random.Unit();
@@ -88,7 +78,7 @@ Scene PlateThroughASizedBox(int n) {
 Scene FacetsInASizedBox(int n) {
   Scene scene = InSpace();
   const double h = 1.0 / n;
-  AddBox(1, {0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}, scene);
+  AddAllOf(BoxSurface(1, {0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}), scene);
   scene.features.push_back(Feature::Size(20, {0, 0, 0}, {SizeShape::kBox, h, 0, {1, 1, 1}}));
   Random random(7);
   for (const double above : {0.4, -0.6, 0.2}) {
@@ -103,24 +93,24 @@ Scene FacetsInASizedBox(int n) {
 Scene Wedges(int n) {
   Scene scene = InSpace();
   const double side = 0.9 / n;
-  const auto outer = [&](int i, double degrees, double along) {
+  // A corner of wedge i, at this distance from the edge and in this direction.
+  const auto corner = [&](FeatureId id, int i, double distance, double degrees, int end) {
     const double x = 0.05 + side * (i % n + 0.1), y = 0.05 + side * (i / n + 0.3);
     const double turn = degrees * std::numbers::pi / 180;
-    return std::array{x + 0.7 * side * std::cos(turn), y + 0.7 * side * std::sin(turn),
-                      0.5 + 0.3 * side * along};
+    return Feature::Point(id, x + distance * side * std::cos(turn),
+                          y + distance * side * std::sin(turn), 0.5 + 0.3 * side * end);
   };
-  const auto add = [&](FeatureId id, const std::array<double, 3>& p) {
-    scene.features.push_back(Feature::Point(id, p[0], p[1], p[2]));
+  const auto outer = [&](FeatureId id, int i, double degrees, int end) {
+    return corner(id, i, 0.7, degrees, end);
   };
   for (int i = 0; i < n * n; ++i) {
     const FeatureId id = Id(10 * i + 1);
-    const double x = 0.05 + side * (i % n + 0.1), y = 0.05 + side * (i / n + 0.3);
-    add(id, {x, y, 0.5 - 0.3 * side});
-    add(id + 1, {x, y, 0.5 + 0.3 * side});
+    scene.features.push_back(corner(id, i, 0, 0, -1));
+    scene.features.push_back(corner(id + 1, i, 0, 0, 1));
     for (const int sheet : {0, 1}) {
       const FeatureId first = id + 2 + Id(2 * sheet);
-      add(first, outer(i, 5.0 * sheet, 1));
-      add(first + 1, outer(i, 5.0 * sheet, -1));
+      scene.features.push_back(outer(first, i, 5.0 * sheet, 1));
+      scene.features.push_back(outer(first + 1, i, 5.0 * sheet, -1));
       scene.features.push_back(
           Feature::Polygon(id + 6 + Id(sheet), {{id, id + 1, first, first + 1}}));
     }
@@ -129,12 +119,8 @@ Scene Wedges(int n) {
   const FeatureId id = Id(10 * middle + 1);
   OutAndIn(Feature::Polygon(id + 7, {{id, id + 1, id + 4, id + 5}}), scene);
   for (const double degrees : {2.0, 5.0}) {
-    EditBatch moved;
-    for (const int end : {0, 1}) {
-      const auto p = outer(middle, degrees, 1 - 2 * end);
-      moved.push_back(Edit::Set(Feature::Point(id + 4 + Id(end), p[0], p[1], p[2])));
-    }
-    scene.edits.push_back(moved);
+    scene.edits.push_back({Edit::Set(outer(id + 4, middle, degrees, 1)),
+                           Edit::Set(outer(id + 5, middle, degrees, -1))});
   }
   return scene;
 }
@@ -153,18 +139,9 @@ Scene Scan(int n) {
   for (int y = 0; y <= n; ++y) {
     for (int x = 0; x <= n; ++x) scene.features.push_back(corner(x, y));
   }
-  Feature middle;
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
-      const FeatureId first = kFar + 2 * id(x, y);
-      scene.features.push_back(
-          Feature::Polygon(first, {{id(x, y), id(x + 1, y), id(x + 1, y + 1)}}));
-      scene.features.push_back(
-          Feature::Polygon(first + 1, {{id(x, y), id(x + 1, y + 1), id(x, y + 1)}}));
-      if (x == n / 2 && y == n / 2) middle = scene.features.back();
-    }
-  }
-  OutAndIn(middle, scene);
+  const std::vector<Feature> triangles = GridTriangles(n, kFar, id);
+  AddAllOf(triangles, scene);
+  OutAndIn(triangles[static_cast<std::size_t>(2 * (n / 2 * n + n / 2) + 1)], scene);
   for (int i = 0; i < 3; ++i) scene.edits.push_back({Edit::Set(corner(n / 2, n / 2))});
   return scene;
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -11,41 +11,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "dynmesh/client/mesh_client.h"
+#include "tests/e2e/random_edits.h"
 
 namespace dynmesh::test {
 namespace {
 
 // Edits of a mesh under way: fewer than a server takes without the answers being received.
 constexpr int kWindow = 256;
-
-// The edits of one mesh: each adds a point anywhere or removes one added before.
-class RandomEdits {
- public:
-  RandomEdits(std::uint64_t seed, int dimension) : random_(seed), dimension_(dimension) {}
-
-  Edit Add(FeatureId id) {
-    const double x = unit_(random_), y = unit_(random_);
-    return Edit::Add(dimension_ == 2 ? Feature::Point(id, x, y)
-                                     : Feature::Point(id, x, y, unit_(random_)));
-  }
-  Edit Next() {
-    if (added_.empty() || random_() % 2 == 0) {
-      added_.push_back(next_id_);
-      return Add(next_id_++);
-    }
-    std::swap(added_[random_() % added_.size()], added_.back());
-    const FeatureId id = added_.back();
-    added_.pop_back();
-    return Edit::Remove(id);
-  }
-
- private:
-  std::mt19937_64 random_;
-  const int dimension_;
-  std::uniform_real_distribution<double> unit_{0, 1};
-  FeatureId next_id_ = 1'000'000'000;
-  std::vector<FeatureId> added_;
-};
 
 class EditedMesh {
  public:
@@ -61,9 +33,7 @@ class EditedMesh {
     MeshOptions options;
     options.dimension = params_.dimension;
     if (absl::Status s = client_->CreateMesh(name_, options).status(); !s.ok()) return s;
-    EditBatch batch;
-    for (FeatureId id = 1; id <= points; ++id) batch.push_back(edits_.Add(id));
-    return client_->Apply(name_, batch, params_).status();
+    return client_->Apply(name_, edits_.Fill(points), params_).status();
   }
   void Open() { session_ = client_->OpenEdits(name_); }
   absl::Status Send() { return session_->Send({edits_.Next()}, params_); }

@@ -11,7 +11,6 @@
 #include <functional>
 #include <memory>
 #include <numeric>
-#include <random>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -25,6 +24,7 @@
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
 #include "tests/e2e/many_meshes.h"
+#include "tests/e2e/random_edits.h"
 #include "tests/e2e/raw_watchers.h"
 
 namespace dynmesh {
@@ -110,23 +110,8 @@ class Load {
   }
 
  private:
-  // Adds a new point or removes one of those added so far.
-  Edit RandomEdit() {
-    if (extra_.empty() || random_() % 2 == 0) {
-      extra_.push_back(next_id_++);
-      return Edit::Add(Feature::Point(extra_.back(), unit_(random_), unit_(random_)));
-    }
-    std::swap(extra_[random_() % extra_.size()], extra_.back());
-    const FeatureId id = extra_.back();
-    extra_.pop_back();
-    return Edit::Remove(id);
-  }
-
   void Fill() {
-    EditBatch batch;
-    for (FeatureId id = 1; id <= points_; ++id) {
-      batch.push_back(Edit::Add(Feature::Point(id, unit_(random_), unit_(random_))));
-    }
+    const EditBatch batch = edits_.Fill(points_);
     client::EditParams params;
     params.omit_columns = true;
     const auto start = Clock::now();
@@ -154,7 +139,7 @@ class Load {
     std::vector<double> trips, applies;
     for (int i = 0; i < 1000; ++i) {
       const auto start = Clock::now();
-      const auto result = client_->Apply("m", {RandomEdit()});
+      const auto result = client_->Apply("m", {edits_.Next()});
       trips.push_back(Microseconds(Clock::now() - start));
       Check(result.status());
       applies.push_back(result->diff.work.microseconds);
@@ -168,7 +153,7 @@ class Load {
 
   double StreamEdits(int count, bool with_ids = false) {
     std::vector<EditBatch> batches;
-    for (int i = 0; i < count; ++i) batches.push_back({RandomEdit()});
+    for (int i = 0; i < count; ++i) batches.push_back({edits_.Next()});
     return StreamBatches(batches, with_ids);
   }
 
@@ -204,7 +189,7 @@ class Load {
     std::vector<double> trips[2], rates[2];
     for (int i = 0; i < 2'000; ++i) {
       const bool with_id = i % 2 == 1;
-      const EditBatch batch = {RandomEdit()};
+      const EditBatch batch = {edits_.Next()};
       const auto start = Clock::now();
       Check(client_->Apply("m", batch, Params(with_id)).status());
       trips[with_id].push_back(Microseconds(Clock::now() - start));
@@ -240,7 +225,7 @@ class Load {
 
   double CallEdits(int count) {
     const auto start = Clock::now();
-    for (int i = 0; i < count; ++i) Check(client_->Apply("m", {RandomEdit()}).status());
+    for (int i = 0; i < count; ++i) Check(client_->Apply("m", {edits_.Next()}).status());
     return count / (Microseconds(Clock::now() - start) * 1e-6);
   }
 
@@ -337,11 +322,8 @@ class Load {
 
   const std::size_t points_;
   std::string address_;
-  FeatureId next_id_ = 1'000'000'000;
   std::uint64_t requests_ = 0;
-  std::vector<FeatureId> extra_;
-  std::mt19937_64 random_{1};
-  std::uniform_real_distribution<double> unit_{0, 1};
+  test::RandomEdits edits_{1, 2};
   std::unique_ptr<server::Server> server_;
   std::unique_ptr<client::MeshClient> client_;
 };

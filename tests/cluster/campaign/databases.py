@@ -57,11 +57,11 @@ class Database:
         self.address = box.address
         self.more: dict[str, str] = {}  # settings, from the next start on
         self._box = box
-        self.folder = self._folder = folder / f"database-{name}"
+        self.folder = folder / f"database-{name}"
         self._process: Optional[subprocess.Popen[bytes]] = None
-        self._folder.mkdir(mode=0o700)
+        self.folder.mkdir(mode=0o700)
         user = pwd.getpwnam("postgres")
-        os.chown(self._folder, user.pw_uid, user.pw_gid)
+        os.chown(self.folder, user.pw_uid, user.pw_gid)
 
     def _command(self, program: str, *words: object) -> list[str]:
         assert PROGRAMS is not None
@@ -69,23 +69,23 @@ class Database:
                                   "--clear-groups", PROGRAMS / program, *words])
 
     def _run(self, program: str, *words: object) -> None:
-        with open(self._folder / "log", "ab") as log:
+        with open(self.folder / "log", "ab") as log:
             subprocess.run(self._command(program, *words), check=True, stdout=log, stderr=log,
                            cwd="/", timeout=PATIENCE)
 
     def make(self) -> None:
         """Makes an empty database."""
-        self._run("initdb", "-D", self._folder / "data", "-U", "postgres", "-A", "trust",
+        self._run("initdb", "-D", self.folder / "data", "-U", "postgres", "-A", "trust",
                   "-E", "UTF8", "--locale=C", "--no-sync", "--no-instructions")
-        with open(self._folder / "data/pg_hba.conf", "a", encoding="ascii") as hba:
+        with open(self.folder / "data/pg_hba.conf", "a", encoding="ascii") as hba:
             hba.write("host all all 10.77.0.0/16 trust\nhost replication all 10.77.0.0/16 trust\n")
 
     def copy(self, primary: Database) -> None:
         """Makes it a copy of the primary, which follows it when it starts."""
-        shutil.rmtree(self._folder / "data", ignore_errors=True)
-        self._run("pg_basebackup", "-D", self._folder / "data", "-h", primary.address,
+        shutil.rmtree(self.folder / "data", ignore_errors=True)
+        self._run("pg_basebackup", "-D", self.folder / "data", "-h", primary.address,
                   "-U", "postgres", "--no-sync", "-c", "fast")
-        (self._folder / "data/standby.signal").touch()
+        (self.folder / "data/standby.signal").touch()
 
     def start(self, primary: Optional[Database] = None) -> None:
         settings = {**SETTINGS, **self.more}
@@ -93,9 +93,9 @@ class Database:
             settings["primary_conninfo"] = (f"host={primary.address} user=postgres "
                                             f"application_name={self.name}")
         words = [word for key, value in settings.items() for word in ("-c", f"{key}={value}")]
-        with open(self._folder / "log", "ab") as log:
+        with open(self.folder / "log", "ab") as log:
             self._process = subprocess.Popen(
-                self._command("postgres", "-D", self._folder / "data", *words),
+                self._command("postgres", "-D", self.folder / "data", *words),
                 stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd="/")
 
     def send(self, how: signal.Signals) -> None:
@@ -124,11 +124,11 @@ class Database:
         return self._process.poll() is not None
 
     def log_size(self) -> int:
-        return (self._folder / "log").stat().st_size
+        return (self.folder / "log").stat().st_size
 
     def count(self, text: str, since: int) -> int:
         """How often the log has the text, after the first `since` bytes."""
-        with open(self._folder / "log", "rb") as log:
+        with open(self.folder / "log", "rb") as log:
             log.seek(since)
             return log.read().count(text.encode())
 

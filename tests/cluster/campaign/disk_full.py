@@ -111,10 +111,9 @@ class DiskFull(Kind):
             if time.monotonic() > until:
                 raise RuntimeError("the primary does not come back")
             time.sleep(0.1)
-        known = self.work.wait_for_batches("after the disk has space", PATIENCE)
+        written = self.work.wait_for_batches("after the disk has space", PATIENCE)
         self.figures.update({
-            "after_space": round(max(writer.times[before + 1] for writer, before
-                                     in zip(self.work.writers, known)) - freed, 3),
+            "after_space": round(written - freed, 3),
             "restarts": restarts, "panics": self._database.count("PANIC: ", logged),
             "refused": self._database.count("No space left on device", logged),
             "refusals": refusals})

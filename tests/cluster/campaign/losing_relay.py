@@ -16,12 +16,15 @@ JSON:
 from __future__ import annotations
 
 import asyncio
+import functools
 import json
 import random
 import socket
 import struct
 import sys
 from typing import Optional
+
+from relay import Stream, listen
 
 APPEND = b"INSERT INTO dynmesh.entries"
 CLAIM = b"SET epoch = epoch + 1 WHERE key = $1::bigint AND owner = $2::text "
@@ -193,37 +196,16 @@ class Connection:
         self._near.transport.abort()
 
 
-async def listen(losses: Losses, host: str, way: str) -> None:
-    here, address, there = way.split(":")
-
-    tasks: set[object] = set()  # one whose client is cut off has no other owner
-
-    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        task = asyncio.current_task()
-        tasks.add(task)
-        try:
-            await hand_on(reader, writer)
-        finally:
-            tasks.discard(task)
-
-    async def hand_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        try:
-            far_reader, far_writer = await asyncio.open_connection(address, int(there))
-        except OSError:
-            writer.close()
-            return
-        connection = Connection(losses, writer, far_writer)
-        questions = asyncio.create_task(connection.hand_on_questions(reader))
-        try:
-            await connection.hand_on_answers(far_reader)
-        except OSError:
-            pass
-        finally:
-            questions.cancel()
-            await asyncio.gather(questions, return_exceptions=True)
-    server = await asyncio.start_server(serve, host, int(here))
-    async with server:
-        await server.serve_forever()
+async def serve(losses: Losses, near: Stream, far: Stream) -> None:
+    connection = Connection(losses, near[1], far[1])
+    questions = asyncio.create_task(connection.hand_on_questions(near[0]))
+    try:
+        await connection.hand_on_answers(far[0])
+    except OSError:
+        pass
+    finally:
+        questions.cancel()
+        await asyncio.gather(questions, return_exceptions=True)
 
 
 async def obey(losses: Losses) -> None:
@@ -240,7 +222,8 @@ async def obey(losses: Losses) -> None:
 async def main() -> None:
     host, seed, *ways = sys.argv[1:]
     losses = Losses(random.Random(int(seed)))
-    await asyncio.gather(obey(losses), *(listen(losses, host, way) for way in ways))
+    serve_way = functools.partial(serve, losses)
+    await asyncio.gather(obey(losses), *(listen(host, way, serve_way) for way in ways))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,10 @@ from __future__ import annotations
 import asyncio
 import random
 import sys
+from typing import Awaitable, Callable
 
 DELAY, MORE, SHARE = 0.05, 0.2, 0.05
+Stream = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
 
 async def hand_on(source: asyncio.StreamReader, target: asyncio.StreamWriter,
@@ -42,27 +44,36 @@ async def hand_on(source: asyncio.StreamReader, target: asyncio.StreamWriter,
         target.close()
 
 
+async def listen(host: str, way: str,
+                 serve: Callable[[Stream, Stream], Awaitable[object]]) -> None:
+    """Serves the connections of a way, PORT:ADDRESS:PORT: the client's and the one behind it."""
+    here, address, there = way.split(":")
+    tasks: set[object] = set()  # one whose client is gone has no other owner
+
+    async def on_connection(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.current_task()
+        tasks.add(task)
+        try:
+            far = await asyncio.open_connection(address, int(there))
+        except OSError:
+            writer.close()
+        else:
+            await serve((reader, writer), far)
+        finally:
+            tasks.discard(task)
+    server = await asyncio.start_server(on_connection, host, int(here))
+    async with server:
+        await server.serve_forever()
+
+
 async def main() -> None:
     host, seed, *ways = sys.argv[1:]
     chance = random.Random(int(seed))
 
-    async def serve(way: str) -> None:
-        here, address, there = way.split(":")
-
-        async def on_connection(reader: asyncio.StreamReader,
-                                writer: asyncio.StreamWriter) -> None:
-            try:
-                far_reader, far_writer = await asyncio.open_connection(address, int(there))
-            except OSError:
-                writer.close()
-                return
-            await asyncio.gather(hand_on(reader, far_writer, chance),
-                                 hand_on(far_reader, writer, chance), return_exceptions=True)
-        server = await asyncio.start_server(on_connection, host, int(here))
-        async with server:
-            await server.serve_forever()
-
-    await asyncio.gather(*map(serve, ways))
+    async def serve(near: Stream, far: Stream) -> None:
+        await asyncio.gather(hand_on(near[0], far[1], chance), hand_on(far[0], near[1], chance),
+                             return_exceptions=True)
+    await asyncio.gather(*(listen(host, way, serve) for way in ways))
 
 
 if __name__ == "__main__":

@@ -289,14 +289,15 @@ class Workload:
         """The writers of these meshes; None: all."""
         return [writer for writer in self.writers if meshes is None or writer.mesh in meshes]
 
-    def wait_for_batches(self, where: str, patience: float) -> list[int]:
-        """Until each writer has begun a batch and got its answer. Returns what was acknowledged
-        before, by writer."""
+    def wait_for_batches(self, where: str, patience: float) -> float:
+        """Until each writer has begun a batch and got its answer. Returns when the last writer got
+        its first answer of this time."""
         known = [writer.acknowledged for writer in self.writers]
         wait_until(f"a batch of each writer {where}", lambda: all(
             writer.acknowledged > before + 1 or writer.trouble
             for writer, before in zip(self.writers, known)), patience)
-        return known
+        return max((writer.times[before + 1] for writer, before in zip(self.writers, known)
+                    if not writer.trouble), default=time.monotonic())
 
     def errors(self) -> list[str]:
         return [error for writer in self.writers for error in list(writer.errors)]
