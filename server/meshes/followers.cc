@@ -14,6 +14,11 @@ namespace {
 
 // Reading a mesh waits for the database.
 constexpr int kThreads = 2;
+// A server that has just started makes many meshes, and so do the others after a drain. Writers go
+// first: these threads have a low priority, which does not count beside other processes, and rest
+// after a mesh for three times as long as that took. So they need half a core.
+constexpr int kRest = 3;
+constexpr std::chrono::milliseconds kMostRest(300);
 // A second mismatch is not an accident of this process.
 constexpr int kMostMismatches = 2;
 // Of a mesh that has not been read yet: nothing comes after it.
@@ -43,7 +48,7 @@ Followers::Followers(SharedJournal* journal, std::string address, const Options&
       options_(options),
       calls_(std::move(calls)),
       metrics_(metrics),
-      pool_(kThreads) {
+      pool_(kThreads, WorkerPool::Priority::kBackground) {
   life_->it = this;
   thread_ = std::thread([this] { Run(); });
 }
@@ -98,8 +103,18 @@ Followers::FollowerPtr Followers::AddLocked(const std::string& id) {
   by_id_[id] = follower;
   kick_ = true;
   kicked_.notify_one();
-  pool_.Post([this, follower] { OpenOne(follower); });
+  pool_.Post([this, follower] {
+    const Clock::time_point begin = Clock::now();
+    OpenOne(follower);
+    Rest(Clock::now() - begin);
+  });
   return follower;
+}
+
+void Followers::Rest(Clock::duration worked) {
+  std::unique_lock lock(mutex_);
+  idle_.wait_for(lock, std::min<Clock::duration>(kRest * worked, kMostRest),
+                 [this] { return settled_; });
 }
 
 absl::Status Followers::CheckRoomLocked(const Follower& follower) const {
@@ -127,6 +142,7 @@ absl::Status Followers::LookUp(const FollowerPtr& follower, bool* is_free) {
   follower->mesh = place->mesh;
   follower->owner = owner;
   if (room.ok()) room = CheckRoomLocked(*follower);
+  if (room.ok() && settled_) room = absl::UnavailableError("nothing new is followed");
   return room.ok() ? room : NotOwnerError(follower->id, owner);
 }
 
@@ -443,8 +459,11 @@ std::vector<Followers::Followed> Followers::List() const {
 }
 
 void Followers::Settle() {
-  const std::lock_guard lock(mutex_);
-  settled_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    settled_ = true;
+  }
+  idle_.notify_all();
 }
 
 void Followers::CloseWatches(const absl::Status& status) {

@@ -160,6 +160,8 @@ class Followers {
   void DropUnused(Clock::time_point now);
 
   void OpenOne(const FollowerPtr& follower);
+  // What a thread does after a mesh that it has made in the time `worked`. Not after Settle.
+  void Rest(Clock::duration worked);
   // OK: the mesh is another node's, and may be followed.
   absl::Status LookUp(const FollowerPtr& follower, bool* is_free);
   absl::Status CheckRoomLocked(const Follower& follower) const;

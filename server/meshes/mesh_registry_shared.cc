@@ -1,7 +1,6 @@
 // The part of MeshRegistry for a journal that several servers share.
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -9,6 +8,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/cluster/placement.h"
+#include "server/meshes/hand_over.h"
 #include "server/meshes/mesh_registry.h"
 #include "server/meshes/recovery.h"
 #include "server/revisions/revision_error.h"
@@ -21,10 +21,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kPage = 1'000;
 // A read waits so long for a revision, or for the mesh to be followed; then its owner is named.
 constexpr std::chrono::seconds kFollowerPatience(1);
-
-// Between two meshes that are handed over: about what the next server does for one of them. All at
-// once would wait there for each other, and so would their clients.
-constexpr absl::Duration kHandOverPause = absl::Milliseconds(20);
 
 absl::Status Lost() { return absl::AbortedError("another server has the mesh"); }
 
@@ -170,49 +166,14 @@ void MeshRegistry::HandOver(absl::Duration limit) {
   if (followers_ == nullptr) return;
   followers_->Settle();
   if (config_.followers == 0) return;
-  absl::StatusOr<std::vector<std::string>> nodes = shared_->LiveNodes();
-  if (!nodes.ok()) return;
-  std::erase(*nodes, address_);
-  if (nodes->empty()) return;
-  std::vector<std::pair<HostPtr, Journal::Key>> meshes;
+  std::vector<OwnedHost> meshes;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, held] : hosts_) {
-      if (held.host != nullptr && !held.host->disowned()) meshes.emplace_back(held.host, held.key);
+      if (held.host != nullptr && !held.host->disowned()) meshes.push_back({held.host, held.key});
     }
   }
-  struct Left {
-    std::mutex mutex;
-    std::condition_variable none;
-    std::size_t meshes;
-  };
-  const auto left = std::make_shared<Left>();
-  left->meshes = meshes.size();
-  const absl::Duration pause =
-      std::min(kHandOverPause, limit / (4 * static_cast<std::int64_t>(meshes.size() + 1)));
-  for (const auto& [host, key] : meshes) {
-    if (&host != &meshes.front().first) absl::SleepFor(pause);
-    const std::string& id = host->id();
-    host->HandOver(
-        [journal = shared_, address = address_, id, key = key,
-         nodes = *nodes]() -> absl::StatusOr<MeshOwner> {
-          absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
-          if (!place.ok()) return place.status();
-          std::erase(place->followers, address);
-          const std::vector<std::string>& choice =
-              place->followers.empty() ? nodes : place->followers;
-          const std::string& next = choice[*ChooseNode(choice, id)];
-          const absl::StatusOr<std::int64_t> epoch = journal->HandOver(key, next);
-          if (!epoch.ok()) return epoch.status();
-          return MeshOwner{next, *epoch};
-        },
-        [left](const absl::Status&) {
-          const std::lock_guard lock(left->mutex);
-          if (--left->meshes == 0) left->none.notify_all();
-        });
-  }
-  std::unique_lock lock(left->mutex);
-  left->none.wait_for(lock, absl::ToChronoNanoseconds(limit), [&] { return left->meshes == 0; });
+  HandMeshesOver(shared_, address_, meshes, limit);
 }
 
 std::vector<Followers::Followed> MeshRegistry::Followed() const {

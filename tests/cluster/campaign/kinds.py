@@ -177,6 +177,15 @@ class Upgrade(Drain):
             self.cluster.wait_until_steady()
 
 
+class Calm(Kind):
+    """Nothing: how long a batch waits on this machine without a fault."""
+
+    count = 5
+
+    def fault(self) -> None:
+        time.sleep(self.lasts)
+
+
 class Clock(Kind):
     """Nodes an hour ahead and behind, and one whose clock jumps: it must not matter at all."""
 
@@ -215,7 +224,7 @@ KINDS: dict[str, type[Kind]] = {
     "partition-in": PartitionIn, "flap": Flap, "partition-clients": PartitionClients,
     "partition-nodes": PartitionNodes, "primary": Primary, "standby": Standby,
     "standbys": Standbys, "cancel": Cancel, "lost-commit": LostCommit, "disk-full": DiskFull,
-    "clock": Clock, "latency": Latency, "drain": Drain, "upgrade": Upgrade}
+    "clock": Clock, "latency": Latency, "drain": Drain, "upgrade": Upgrade, "calm": Calm}
 # What a kind allows at most: seconds without a batch of an affected mesh, 99 of 100.
 LIMITS = {"drain": 0.3, "upgrade": 0.3}
 # Kinds in which no error may reach a client of the library.

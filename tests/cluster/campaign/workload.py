@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+import random
 import threading
 import time
 from typing import Any, Iterable, Optional, Union
@@ -33,12 +34,15 @@ class Writer(threading.Thread):
     """Writes batch after batch to a mesh of its own, each with a request id, and again until it is
     acknowledged. Batch k makes revision k."""
 
-    def __init__(self, name: str, dimension: int, addresses: str, pause: float) -> None:
+    def __init__(self, name: str, dimension: int, phase: int, addresses: str, pause: float) -> None:
         super().__init__(daemon=True)
         self.mesh = name
+        self._phase = phase  # of its points in the sequence
         self.dimension = dimension
         self.acknowledged = 0
         self.times: list[float] = [time.monotonic()]  # of batch k
+        self.waits: list[tuple[float, float]] = []  # of batch k + 1: from its first call to its answer
+        self._chance = random.Random(phase)
         self.errors: list[str] = []  # that reached this client of the library
         self.trouble = ""
         self._pause = pause
@@ -49,6 +53,7 @@ class Writer(threading.Thread):
         self._is_idle = threading.Event()
 
     def point(self, number: int) -> list[float]:
+        number += self._phase
         return [0.05 + 0.9 * (number * step % 1.0) for step in STEPS[self.dimension]]
 
     def features_after(self, batches: int) -> dict[str, Any]:
@@ -67,12 +72,13 @@ class Writer(threading.Thread):
                 self._is_idle.set()
                 self._may_write.wait()
                 self._is_idle.clear()
-                self.times[-1] = time.monotonic()  # the pause was asked for
             self._write(self.acknowledged + 1)
-            time.sleep(self._pause)
+            # Not in step with the others: snapshots would all be made at the same time.
+            time.sleep(self._pause * self._chance.uniform(0.5, 1.5))
 
     def _write(self, number: int) -> None:
         batch = _batch.make(self.dimension, self._edits(number))
+        begin = time.monotonic()
         while True:
             try:
                 diff = self._server.call(
@@ -87,6 +93,7 @@ class Writer(threading.Thread):
         if diff.to_revision != number:
             self.trouble = f"{self.mesh}: batch {number} made revision {diff.to_revision}"
         self.times.append(time.monotonic())
+        self.waits.append((begin, self.times[-1]))
         self.acknowledged = number
 
     def hold(self) -> None:
@@ -101,8 +108,9 @@ class Writer(threading.Thread):
         self._may_write.set()
 
     def longest_pause(self, begin: float, end: float) -> float:
-        """The longest time between two acknowledged batches, less the writer's own pause."""
-        return max(longest_pause(self.times, begin, end) - self._pause, 0.0)
+        """The longest time that a batch waited for its answer, of those that did meanwhile."""
+        return max((after - before for before, after in list(self.waits)
+                    if after >= begin and before <= end), default=0.0)
 
 
 class Count:
@@ -127,8 +135,9 @@ class Count:
 class FollowerReader(threading.Thread):
     """Takes the snapshot that some node has of a mesh, again and again; it never grows older."""
 
-    def __init__(self, mesh: str, addresses: str, count: Count) -> None:
+    def __init__(self, mesh: str, addresses: str, pause: float, count: Count) -> None:
         super().__init__(daemon=True)
+        self._pause = pause
         self.times = [time.monotonic()]  # of answers
         self.mesh = mesh
         self._count = count
@@ -147,14 +156,15 @@ class FollowerReader(threading.Thread):
                 if revision < last:
                     self._count.add("stale", f"{self.mesh}: a follower's {revision} after {last}")
                 last = revision
-            time.sleep(0.1)
+            time.sleep(self._pause)
 
 
 class Reader(threading.Thread):
     """Reads a mesh by the library. A read that begins after a batch was acknowledged has it."""
 
-    def __init__(self, writer: Writer, addresses: str, count: Count) -> None:
+    def __init__(self, writer: Writer, addresses: str, pause: float, count: Count) -> None:
         super().__init__(daemon=True)
+        self._pause = pause
         self.times = [time.monotonic()]  # of answers
         self.mesh = writer.mesh
         self._writer = writer
@@ -173,7 +183,7 @@ class Reader(threading.Thread):
                 self.times.append(time.monotonic())
                 if found < known:
                     self._count.add("stale", f"{self._writer.mesh}: {found} after {known}")
-            time.sleep(0.1)
+            time.sleep(self._pause)
 
 
 def _varint(data: bytes, at: int) -> tuple[int, int]:
@@ -205,8 +215,9 @@ class Prober(threading.Thread):
     them; what it answers must not be old.
     """
 
-    def __init__(self, writers: list[Writer], address: str, count: Count) -> None:
+    def __init__(self, writers: list[Writer], address: str, pause: float, count: Count) -> None:
         super().__init__(daemon=True)
+        self._pause = pause
         self._writers = writers
         self._count = count
         self._channel = grpc.insecure_channel(address, options=[
@@ -223,7 +234,7 @@ class Prober(threading.Thread):
                 call = self._get.future(bytes([10, len(name)]) + name, timeout=15,
                                         metadata=(("dynmesh-redirects", "0"),))
                 call.add_done_callback(functools.partial(self._judge, writer.mesh, known))
-            time.sleep(0.25)
+            time.sleep(self._pause)
 
     def _judge(self, mesh: str, known: int, call: Any) -> None:
         if call.code() != grpc.StatusCode.OK:
@@ -260,20 +271,24 @@ class Watcher(threading.Thread):
 class Workload:
     """Meshes with a writer, a reader and two watchers each, and readers of single nodes.
 
-    Every fourth of the `meshes` is in 3D.
+    Every fourth of the `meshes` is in 3D. No two have the same points: what takes long would take
+    long in all at the same time. With more than 16 of them each is read less often: the
+    clients are one process, which would be what is measured.
     """
 
     def __init__(self, nodes: list[str], meshes: int, pause: float) -> None:
         self.count = Count()
+        scale = max(1.0, meshes / 16)
         # A mesh belongs to the node that is asked to make it: each node has some.
         turned = [",".join(nodes[i:] + nodes[:i]) for i in range(len(nodes))]
-        self.writers = [Writer(f"m{i + 1}", 3 if i % 4 == 3 else 2, turned[i % len(nodes)], pause)
+        self.writers = [Writer(f"m{i + 1}", 3 if i % 4 == 3 else 2, 97 * i, turned[i % len(nodes)],
+                               pause)
                         for i in range(meshes)]
         self.watchers: dict[str, list[Watcher]] = {}
         threads: list[threading.Thread] = list(self.writers)
-        self.readers = [Reader(writer, ",".join(nodes), self.count) for writer in self.writers]
+        self.readers = [Reader(writer, ",".join(nodes), 0.1 * scale, self.count) for writer in self.writers]
         self.follower_readers = [
-            FollowerReader(writer.mesh, turned[(i + 2) % len(nodes)], self.count)
+            FollowerReader(writer.mesh, turned[(i + 2) % len(nodes)], 0.1 * scale, self.count)
             for i, writer in enumerate(self.writers)]
         threads += [*self.readers, *self.follower_readers]
         for index, writer in enumerate(self.writers):
@@ -281,7 +296,7 @@ class Workload:
                 Watcher(writer.mesh, turned[(index + 1) % len(nodes)], from_followers, self.count)
                 for from_followers in (False, True)]
             threads += self.watchers[writer.mesh]
-        threads += [Prober(self.writers, node, self.count) for node in nodes]
+        threads += [Prober(self.writers, node, 0.25 * scale, self.count) for node in nodes]
         for thread in threads:
             thread.start()
 

@@ -12,6 +12,7 @@
 #include "proto/codec/journal_codec.h"
 #include "server/base/log.h"
 #include "server/cluster/placement.h"
+#include "server/meshes/hand_over.h"
 #include "server/meshes/mesh_registry.h"
 #include "tests/server/meshes/memory_cluster.h"
 #include "tests/server/test_support.h"
@@ -386,6 +387,15 @@ class WarmTest : public FollowersTest {
     EXPECT_EQ(Follows(*nodes_[2]), is_b ? 0u : 1u);
     return is_b ? B() : *nodes_[2];
   }
+  // The meshes of node a, by key.
+  std::vector<OwnedHost> OwnedByA() {
+    std::vector<OwnedHost> owned;
+    for (const auto& listed : A().registry.List("", 100)) {
+      if (listed.host != nullptr)
+        owned.push_back({listed.host, A().journal.Locate(listed.id)->mesh.key});
+    }
+    return owned;
+  }
   FeatureId grown_ = 0;
 };
 
@@ -412,6 +422,30 @@ TEST_F(WarmTest, ADrainHandsMeshesOverToTheirFollowers) {
   Mailbox<Opened> answer;
   A().registry.Open("meshes/m", {}, [&answer](const Opened& host) { answer.Put(host); });
   EXPECT_EQ(OwnerIn(answer.Take().status()), &next == &B() ? "b:1" : "c:1");
+}
+
+TEST_F(WarmTest, AMeshIsHandedOverWhenTheFormerHasBeenClaimed) {
+  MakeThree();
+  for (const char* id : {"m2", "m3", "m4", "m5", "m6"}) {
+    const Opened made = A().registry.Create(id, MeshOptions(), id);
+    ASSERT_TRUE(made.ok() && Apply(**made, {AddPoint(1)}).ok());
+  }
+  test::WaitUntil("followers", [&] { return Follows(B()) + Follows(*nodes_[2]) == 6; });
+  // It is claimed when the other nodes ask the journal next.
+  HandMeshesOver(&A().journal, "a:1", OwnedByA(), absl::Minutes(1), absl::Minutes(1));
+  EXPECT_EQ(cluster_.most_handed(), 1);
+  for (const char* id : {"m", "m2", "m3", "m4", "m5", "m6"}) EXPECT_NE(cluster_.OwnerOf(id), "a:1");
+}
+
+TEST_F(WarmTest, AMeshThatIsNotClaimedDoesNotKeepTheNextBack) {
+  AddNode("a:1");
+  for (const char* id : {"m", "m2", "m3"}) {
+    ASSERT_TRUE(A().registry.Create(id, MeshOptions(), id).ok());
+  }
+  MemoryCluster::Node idle(&cluster_, "b:1");  // never asks
+  HandMeshesOver(&A().journal, "a:1", OwnedByA(), absl::Minutes(1), absl::Milliseconds(1));
+  for (const char* id : {"m", "m2", "m3"}) EXPECT_EQ(cluster_.OwnerOf(id), "b:1");
+  EXPECT_EQ(cluster_.most_handed(), 3);
 }
 
 TEST_F(WarmTest, WhatWaitsBehindAHandOverIsSentToTheNextOwner) {

@@ -29,6 +29,7 @@ class MemoryCluster {
     std::int64_t epoch = 1;
     std::string owner;    // its address
     bool leased = true;   // else free
+    bool handed = false;  // and not claimed since
     std::uint64_t first;  // the entries' first revision is the next one
     std::vector<Journal::Entry> entries;
     std::vector<Journal::Request> requests;
@@ -49,6 +50,11 @@ class MemoryCluster {
     const std::lock_guard lock(mutex_);
     const Mesh& mesh = meshes_.at(id);
     return mesh.leased ? mesh.owner : "";
+  }
+  // How many meshes there were at the same time that were handed over and not claimed yet.
+  int most_handed() {
+    const std::lock_guard lock(mutex_);
+    return most_handed_;
   }
   // Calls of ReadTails fail from now on, or work again.
   void Fail(bool fails) {
@@ -89,6 +95,7 @@ class MemoryCluster {
       if (mesh->leased && mesh->owner != address_) return absl::AbortedError("leased");
       mesh->owner = address_;
       mesh->leased = true;
+      mesh->handed = false;
       epochs_[key] = ++mesh->epoch;
       return absl::OkStatus();
     }
@@ -227,6 +234,10 @@ class MemoryCluster {
         return absl::FailedPreconditionError("not this node's");
       }
       mesh->owner = address;
+      mesh->handed = true;
+      const auto handed = std::count_if(cluster_.meshes_.begin(), cluster_.meshes_.end(),
+                                        [](const auto& m) { return m.second.handed; });
+      cluster_.most_handed_ = std::max(cluster_.most_handed_, static_cast<int>(handed));
       epochs_[key] = 0;
       return ++mesh->epoch;
     }
@@ -295,6 +306,7 @@ class MemoryCluster {
   std::map<std::string, Mesh> meshes_;
   std::vector<std::string> nodes_;
   Journal::Key keys_ = 0;
+  int most_handed_ = 0;
   bool fails_ = false;
 };
 

@@ -1,0 +1,85 @@
+#include "server/meshes/hand_over.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <future>
+#include <thread>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/cluster/placement.h"
+
+namespace dynmesh::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Between two looks for the claim.
+constexpr std::chrono::milliseconds kLook(5);
+
+// Tells the epoch in which a mesh was handed over; 0: it was not. Tells it when its strand is done
+// with it, or has ended without.
+struct Given {
+  ~Given() { told.set_value(epoch); }
+  std::int64_t epoch = 0;
+  std::promise<std::int64_t> told;
+};
+
+absl::StatusOr<MeshOwner> Give(SharedJournal* journal, const std::string& address,
+                               const std::vector<std::string>& nodes, const std::string& id,
+                               Journal::Key key) {
+  absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
+  if (!place.ok()) return place.status();
+  std::erase(place->followers, address);
+  const std::vector<std::string>& choice = place->followers.empty() ? nodes : place->followers;
+  const std::string& next = choice[*ChooseNode(choice, id)];
+  const absl::StatusOr<std::int64_t> epoch = journal->HandOver(key, next);
+  if (!epoch.ok()) return epoch.status();
+  return MeshOwner{next, *epoch};
+}
+
+// Until the new owner has claimed the mesh, which makes an epoch, or `end`.
+void WaitForClaim(SharedJournal* journal, const std::string& id, std::int64_t epoch,
+                  Clock::time_point end) {
+  while (Clock::now() < end) {
+    std::this_thread::sleep_for(kLook);
+    const absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
+    if (!place.ok() || place->epoch > epoch) return;
+  }
+}
+
+}  // namespace
+
+void HandMeshesOver(SharedJournal* journal, const std::string& address,
+                    const std::vector<OwnedHost>& meshes, absl::Duration limit,
+                    absl::Duration turn) {
+  const Clock::time_point end = Clock::now() + absl::ToChronoNanoseconds(limit);
+  absl::StatusOr<std::vector<std::string>> nodes = journal->LiveNodes();
+  if (!nodes.ok()) return;
+  std::erase(*nodes, address);
+  if (nodes->empty()) return;
+  turn = std::min(turn, limit / (4 * static_cast<std::int64_t>(meshes.size() + 1)));
+  std::vector<std::future<std::int64_t>> all;
+  for (const auto& [host, key] : meshes) {
+    const Clock::time_point over = Clock::now() + absl::ToChronoNanoseconds(turn);
+    const std::string id = host->id();
+    auto given = std::make_shared<Given>();
+    all.push_back(given->told.get_future());
+    host->HandOver(
+        [=, nodes = *nodes, given = std::move(given), key = key] {
+          absl::StatusOr<MeshOwner> owner = Give(journal, address, nodes, id, key);
+          if (owner.ok()) given->epoch = owner->epoch;
+          return owner;
+        },
+        [](const absl::Status&) {});
+    if (all.back().wait_until(over) != std::future_status::ready) continue;
+    const std::int64_t epoch = all.back().get();
+    all.pop_back();
+    if (epoch != 0) WaitForClaim(journal, id, epoch, over);
+  }
+  for (const std::future<std::int64_t>& one : all) one.wait_until(end);
+}
+
+}  // namespace dynmesh::server
