@@ -27,8 +27,11 @@ TEXT = """\
 `--min-dihedral 0`, at ρ = 2, and TetGen (`-pq2`). Of a closed surface the inside is meshed (`--inside`); others
 are meshed in a box of eight times their extent, and vertices of the bare box do not count. Seconds are of
 processor time, without files; an empty cell: not ended within {limit:.0f} s. "exempt" counts tetrahedra that an
-angle of the input forces over ρ. "judge" is `dynmesh verify` with the input.
+angle of the input forces over ρ. "judge" is `dynmesh verify` with the input. "merged": with
+`--merge-coplanar`; TetGen always joins faces of one plane.
 """
+# Surfaces whose triangles have a plane in common with others.
+MERGED = ("cylinder 32, triangles", "terrain 10, flat")
 
 
 @dataclass
@@ -49,13 +52,13 @@ def is_closed(surface: solids.Surface) -> bool:
     return all(n % 2 == 0 for n in count.values())
 
 
-def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: float,
+def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, merged: bool, limit: float,
                folder: pathlib.Path) -> Result | str:
     """What was made, or the reason for a refusal."""
     out = folder / "mesh.node"
-    flags = ["--min-dihedral", "0", *(["--inside"] if closed else [])]
-    command = [str(program), "mesh", str(path), *flags, "--max-vertices", "400000", "-o", str(out),
-               "--json"]
+    flags = ["--min-dihedral", "0", *(["--merge-coplanar"] if merged else [])]
+    command = [str(program), "mesh", str(path), *flags, *(["--inside"] if closed else []),
+               "--max-vertices", "400000", "-o", str(out), "--json"]
     try:
         made = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
@@ -63,7 +66,7 @@ def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: f
     if made.returncode != 0:
         return made.stderr.strip().splitlines()[-1][:120]
     figures = json.loads(made.stdout)
-    judged = subprocess.run([program, "verify", out, "--input", path, "--min-dihedral", "0"],
+    judged = subprocess.run([program, "verify", out, "--input", path, *flags],
                             capture_output=True, check=False)
     vertices = int(out.read_text(encoding="ascii").split(maxsplit=1)[0])
     return Result(figures["build_seconds"],
@@ -93,24 +96,26 @@ def main() -> None:
     if not flags.quick:
         surfaces |= solids.large() | {path.stem: None for path in flags.more}
     files = {path.stem: path for path in flags.more}
+    runs = [(title, surface, False) for title, surface in surfaces.items()]
+    runs += [(title, surfaces[title], True) for title in MERGED]
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for title, surface in surfaces.items():
+        for title, surface, merged in sorted(runs, key=lambda run: list(surfaces).index(run[0])):
             if flags.only not in title:
                 continue
             path = folder / "surface.off" if surface else files[title]
             if surface:
                 solids.write_off(path, surface)
             closed = surface is None or is_closed(surface)
-            made = by_dynmesh(flags.bin / "dynmesh", path, closed, flags.limit, folder)
+            made = by_dynmesh(flags.bin / "dynmesh", path, closed, merged, flags.limit, folder)
             cells = ([f"{made.vertices:,}", f"{made.seconds:.2f}", f"{made.exempt:,}", made.verdict]
                      if isinstance(made, Result) else ["", "", "", made])
             peer = (by_tetgen(path, surface, closed, flags.limit, folder)
                     if meshers.has_tetgen() else None)
             cells += ["", ""] if peer is None else [f"{peer.vertices:,}", f"{peer.seconds:.2f}"]
             polygons = len(surface.polygons) if surface else ""
-            rows.append([title, polygons, *cells])
+            rows.append([title + (", merged" if merged else ""), polygons, *cells])
             print(*rows[-1], sep="  ", flush=True)
     head = ["surface", "polygons", "vertices", "seconds", "exempt", "judge", "TetGen: vertices",
             "seconds"]
