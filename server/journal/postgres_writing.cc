@@ -68,7 +68,8 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
   absl::Status failure;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     {
-      absl::StatusOr<Lease> session = writers_.Take(Patience());
+      // Threads are few, and other meshes wait for one: after the lease only for a short time.
+      absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(&owned)));
       if (!session.ok()) return session.status();
       const Answer answer = group.Run(**session, owned.is.epoch);
       if (answer.status.ok() && !answer.empty()) {
