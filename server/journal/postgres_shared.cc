@@ -34,7 +34,7 @@ absl::Status PostgresJournal::GiveUp() {
 }
 
 absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
-  absl::StatusOr<SessionLease> session = readers_.Take();
+  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   absl::StatusOr<std::vector<postgres::Node>> nodes =
       postgres::LiveNodes(**session, options_.lease);
@@ -52,7 +52,7 @@ absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& 
 
 absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
     const std::string& after, std::size_t limit) {
-  absl::StatusOr<SessionLease> session = readers_.Take();
+  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::LocateMeshes(**session, after, limit, owner_);
 }

@@ -44,7 +44,7 @@ absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries
 }
 
 absl::Status PostgresJournal::NotClaimed(Key mesh) {
-  absl::StatusOr<Lease> session = writers_.Take();
+  absl::StatusOr<Lease> session = writers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::WhyRefused(**session, mesh, owner_, {});
 }

@@ -49,8 +49,7 @@ void MeshOpener::Open(const std::string& id, const Asking& asking, Done done) {
       Opening& opening = openings_[id];
       opening.waiters.push_back({asking, std::move(done)});
       if (opening.waiters.size() == 1 && !opening.running) {
-        opening.running = true;
-        pool_.Post([this, id] { Step(id); });
+        Queue(id, opening);
       }
       changed_.notify_one();  // it may have the earliest deadline
     }
@@ -68,12 +67,29 @@ std::vector<MeshOpener::Waiter> MeshOpener::Take(
   return taken;
 }
 
+void MeshOpener::Queue(const std::string& id, Opening& opening) {
+  opening.running = opening.queued = true;
+  pool_.Post([this, id] { Step(id); });
+}
+
+std::vector<std::pair<std::string, MeshOpener::Waiter>> MeshOpener::TakeQueued() {
+  std::vector<std::pair<std::string, Waiter>> taken;
+  for (auto& [id, opening] : openings_) {
+    if (!opening.queued) continue;
+    for (Waiter& waiter : Take(opening, [](const Waiter&) { return true; })) {
+      taken.emplace_back(id, std::move(waiter));
+    }
+  }
+  return taken;
+}
+
 void MeshOpener::Step(const std::string& id) {
   bool claims = false;
   Opening before;
   {
     const std::lock_guard lock(mutex_);
     Opening& opening = openings_[id];
+    opening.queued = false;
     before.lost = opening.lost;
     before.left = opening.left;
     claims = opening.waited || std::any_of(opening.waiters.begin(), opening.waiters.end(),
@@ -85,8 +101,10 @@ void MeshOpener::Step(const std::string& id) {
   }
   Found found = Look(id, claims, before);
   std::vector<Waiter> answered;
+  std::vector<std::pair<std::string, Waiter>> failed;
   {
     const std::lock_guard lock(mutex_);
+    if (!found.failure.ok()) failed = TakeQueued();
     Opening& opening = openings_[id];
     if (found.again > Clock::duration::zero()) {
       if (absl::IsAborted(found.answer.status())) {
@@ -104,19 +122,24 @@ void MeshOpener::Step(const std::string& id) {
       });
       opening.running = !opening.waiters.empty();
       if (opening.running) {
-        pool_.Post([this, id] { Step(id); });
+        Queue(id, opening);
       } else {
         openings_.erase(id);
       }
     }
   }
   for (const Waiter& waiter : answered) waiter.done(found.answer);
+  for (const auto& [other, waiter] : failed) waiter.done(JournalError(found.failure, other));
 }
 
 MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, const Opening& before) {
   const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
   if (absl::IsNotFound(place.status())) return {MeshNotFoundError(id)};
-  if (!place.ok()) return {JournalError(place.status(), id)};
+  if (!place.ok()) {
+    Found found{JournalError(place.status(), id)};
+    found.failure = place.status();
+    return found;
+  }
   Found found = LookAt(id, *place, claims, before.left);
   // The next look finds the node that was granted the claim.
   if (absl::IsAborted(found.answer.status()) && !codec::GetServiceError(found.answer.status())) {
@@ -179,8 +202,7 @@ void MeshOpener::RunTimer() {
       for (const Waiter& waiter : opening.waiters) next = std::min(next, waiter.asking.deadline);
       if (opening.running) continue;
       if (opening.next <= now) {
-        opening.running = true;
-        pool_.Post([this, id = id] { Step(id); });
+        Queue(id, opening);
       } else {
         next = std::min(next, opening.next);
       }

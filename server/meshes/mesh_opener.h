@@ -8,7 +8,8 @@
 // nodes may differ about which are live. If there are nodes that follow the mesh, placement chooses
 // one of them, and the others let them claim it: they look again some times before they claim.
 //
-// The journal blocks, so the work has threads of its own. Thread-safe.
+// The journal blocks, so the work has a few threads of its own. If it cannot be asked, that answers
+// all calls that wait for one of them. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_OPENER_H_
 #define DYNMESH_SERVER_MESHES_MESH_OPENER_H_
 
@@ -20,6 +21,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -71,6 +73,7 @@ class MeshOpener {
   struct Opening {
     std::vector<Waiter> waiters;
     bool running = false;    // a step is queued or runs
+    bool queued = false;     // it has not begun
     Clock::time_point next;  // of the next step, if none runs
     bool waited = false;     // for the end of the lease: it is this node that claims
     int lost = 0;            // claims that another node was granted
@@ -82,9 +85,14 @@ class MeshOpener {
     bool only_followers = false;  // the answer is for those that may be sent elsewhere
     Clock::duration again{0};     // > 0: no answer yet; look again after this time
     bool is_left = false;         // to a node that follows
+    absl::Status failure{};       // the journal could not be asked: so it is for other meshes
   };
 
+  // Under mutex_.
+  void Queue(const std::string& id, Opening& opening);
   void Step(const std::string& id);
+  // Those that wait for a step, by mesh. Under mutex_.
+  std::vector<std::pair<std::string, Waiter>> TakeQueued();
   Found Look(const std::string& id, bool claims, const Opening& before);
   Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims, int left);
   // Where a mesh is to be opened that its last owner does not have any more; this node's address if

@@ -31,8 +31,9 @@ class ScriptedJournal final : public SharedJournal {
   absl::Status GiveUp() override { return absl::OkStatus(); }
   absl::StatusOr<std::vector<std::string>> LiveNodes() override { return nodes_; }
   absl::StatusOr<Place> Locate(const std::string&) override {
-    const std::lock_guard lock(mutex_);
     ++looked_;
+    if (silent_ != nullptr) silent_->wait();
+    const std::lock_guard lock(mutex_);
     const absl::StatusOr<Place> next = places_.front();
     if (places_.size() > 1) places_.pop_front();
     return next;
@@ -56,6 +57,7 @@ class ScriptedJournal final : public SharedJournal {
   std::mutex mutex_;
   std::deque<absl::StatusOr<Place>> places_;
   std::atomic<int> looked_{0};
+  std::shared_future<void>* silent_ = nullptr;  // answers after it
 };
 
 class MeshOpenerTest : public ::testing::Test {
@@ -131,6 +133,29 @@ TEST_F(MeshOpenerTest, ADatabaseThatDoesNotAnswerIsToldAndMayBeAskedAgain) {
   const Result failed = Open();
   EXPECT_EQ(Text(failed), "JOURNAL_FAILED");
   EXPECT_TRUE(codec::GetServiceError(failed.status())->retry_after.has_value());
+}
+
+TEST_F(MeshOpenerTest, ADatabaseThatDoesNotAnswerIsToldToAllThatWait) {
+  journal_.places_ = {absl::UnavailableError("no connection")};
+  std::promise<void> answers;
+  std::shared_future<void> silent = answers.get_future().share();
+  journal_.silent_ = &silent;
+  constexpr int kMeshes = 40;  // more than threads
+  std::deque<std::promise<Result>> done(kMeshes);
+  for (int i = 0; i < kMeshes; ++i) {
+    Opener().Open("m" + std::to_string(i), {},
+                  [&one = done[i]](Result r) { one.set_value(std::move(r)); });
+  }
+  test::WaitUntil("a look", [&] { return journal_.looked_ > 0; });
+  answers.set_value();
+  for (std::promise<Result>& one : done) {
+    const Result failed = test::WaitFor("the mesh", one);
+    EXPECT_EQ(Text(failed), "JOURNAL_FAILED");
+  }
+  // Those under way at that time, not one for each mesh.
+  EXPECT_LE(journal_.looked_, 2 * 4);
+  journal_.places_ = {NoSuchMesh()};
+  EXPECT_EQ(Text(Open()), "MESH_NOT_FOUND");  // asked again
 }
 
 TEST_F(MeshOpenerTest, AnOwnerThatRenewsIsNamed) {
