@@ -122,7 +122,10 @@ struct Complex {
 
   bool by_edge() const { return rules.criterion() == Criterion::kEdge; }
   // True if whole stars are read off a triangulation, untraced.
-  bool is_global() const { return !kTraced && triangulation != nullptr; }
+  bool reads_off() const { return !kTraced && triangulation != nullptr; }
+  // True if, in addition, only vertices that own a gap have work. With facets all have: a facet may
+  // reach into any cell.
+  bool is_global() const { return reads_off() && facets.empty(); }
   // Records that the operation reads what is in the box.
   void Subscribe(Context& context, const Extent<D>& box) const {
     if constexpr (kTraced) {

@@ -19,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/base/rounding.h"
@@ -81,9 +82,13 @@ class CureWork {
   // counts unless a vertex of a cure unmakes it.
   bool Suits(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
              Reads* reads);
+  // True if a tetrahedron of x and a facet of its cavity is bad, and no vertex of a cure unmakes
+  // it. is_bad(v, p): of the facet's vertices and their positions.
+  template <class IsBad>
+  bool IsRefusedByBase(Context& context, const Point& x, IsBad is_bad, Reads* reads);
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
-  // good tetrahedra.
-  void MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
+  // good tetrahedra. Returns whether vertices of cures are in it.
+  bool MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
   bool IsSliver(const std::array<VertexIndex, 4>& v, const std::array<Point, 4>& p) const {
     return complex_.slivers.IsSliver(
         v, p, [this](VertexIndex a, VertexIndex b) { return complex_.IsSeditious(a, b); });
@@ -175,46 +180,74 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     const TriangulationOf<D>& base = complex_.slivers.base();
     if (!base.Conflicts(sliver.simplex, x)) return false;
     base.CavityOf(x, sliver.simplex, &cavity_);
-    for (const auto& [a, b, c] : cavity_.facets) {
-      const Point &p = base.position(a), &q = base.position(b), &r = base.position(c);
-      const auto ball_of = [&] { return geometry::CircumballOf(x, p, r, q); };
-      bool is_bad =
-          Counts(RefinementTerm::kCureKeepsAngles) && IsSliver({a, b, c, kNil}, {p, q, r, x});
-      // What would be refused at the star is refused without it. A trace has the star's record.
-      if constexpr (!kTraced) {
-        is_bad = is_bad || IsTooShortOrLarge({a, b, c}, {p, q, r}, x, sliver, ball_of);
-      }
-      if (!is_bad) continue;
-      const geometry::Circumball ball = ball_of();
-      const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
-      Point centre = x;
-      for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
-      const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
-        return geometry::InSphere(p, q, r, x, y);
-      });
-      if (is_unmade) continue;
-      reads->cover.AddDistantBall(centre, radius);
-      reads->Read(reads->candidate, a, c, b);
-      return false;
+    const auto is_below = [&](const auto& v, const auto& p) {
+      return Counts(RefinementTerm::kCureKeepsAngles) &&
+             IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x});
+    };
+    const bool keeps_segments = Counts(RefinementTerm::kCureKeepsSegments);
+    // Untraced, what would be refused at the star is refused without it, the cheapest test first. A
+    // trace has the star's record.
+    if constexpr (!kTraced) {
+      const auto is_bad = [&](const auto& v, const auto& p) {
+        return IsTooShortOrLarge(v, p, x, sliver,
+                                 [&] { return geometry::CircumballOf(x, p[0], p[2], p[1]); });
+      };
+      if (IsRefusedByBase(context, x, is_bad, reads)) return false;
+      if (keeps_segments && !search_.EncroachedBy(context, x).empty()) return false;
     }
-    MakeStarOf(context, sliver, x);
-    for (int i = 0; i < star_.corner_count(); ++i) {
+    if (IsRefusedByBase(context, x, is_below, reads)) return false;
+    const bool has_cures = MakeStarOf(context, sliver, x);
+    // Untraced, the tetrahedra with the cavity's facets are good.
+    for (int i = 0; (kTraced || has_cures) && i < star_.corner_count(); ++i) {
       if (IsGoodCorner(i, sliver)) continue;
       AddCornerTo(reads, i);
       return false;
     }
-    for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, i);
+    if constexpr (kTraced) {
+      for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, i);
+    }
     const bool keeps_facets = Counts(RefinementTerm::kCureKeepsFacets);
     if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
-    const bool encroaches = !search_.EncroachedBy(context, x).empty();
-    reads->is_attentive |= encroaches;
-    return !encroaches || !Counts(RefinementTerm::kCureKeepsSegments);
+    if constexpr (kTraced) {
+      const bool encroaches = !search_.EncroachedBy(context, x).empty();
+      reads->is_attentive |= encroaches;
+      return !encroaches || !keeps_segments;
+    }
+    return true;
   }
   return false;
 }
 
 template <int D, template <class> class E>
-void CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Point& x) {
+template <class IsBad>
+bool CureWork<D, E>::IsRefusedByBase(Context& context, const Point& x, IsBad is_bad, Reads* reads) {
+  if constexpr (D == 3) {
+    const TriangulationOf<D>& base = complex_.slivers.base();
+    for (const auto& v : cavity_.facets) {
+      const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]),
+                                      base.position(v[2])};
+      if (!is_bad(v, p)) continue;
+      const geometry::Circumball ball = geometry::CircumballOf(x, p[0], p[2], p[1]);
+      const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
+      Point centre = x;
+      for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
+      const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
+        return geometry::InSphere(p[0], p[1], p[2], x, y);
+      });
+      if (is_unmade) continue;
+      if constexpr (kTraced) {
+        reads->cover.AddDistantBall(centre, radius);
+        reads->Read(reads->candidate, v[0], v[2], v[1]);
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Point& x) {
+  bool has_cures = false;
   if constexpr (D == 3) {
     star_.BeginLink(kNil, x, 4 * complex_.rules.quality() * sliver.radius);
     rim_.Clear();
@@ -242,9 +275,10 @@ void CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Po
     }
     complex_.cured.VisitBalls(
         balls_, box, std::numeric_limits<int>::max(), [&](std::uint32_t v, const Point& p) {
-          star_.InsertIf(v, p, [&] { return context.Sees(complex_.vertex(v).birth); });
+          has_cures |= star_.InsertIf(v, p, [&] { return context.Sees(complex_.vertex(v).birth); });
         });
   }
+  return has_cures;
 }
 
 template <int D, template <class> class E>
@@ -261,19 +295,41 @@ bool CureWork<D, E>::IsTooShortOrLarge(const std::array<VertexIndex, 3>& v,
       shortest2 = std::min(shortest2, d2);
       longest2 = std::max(longest2, d2);
     }
+    // The edges between the three that are shorter, the shortest first. Those that are seditious do
+    // not count. That takes long to find out, and mostly does not matter.
+    struct Edge {
+      double d2;
+      std::size_t k;
+    };
+    std::array<Edge, 3> shorter;
+    std::size_t count = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
-      if (d2 < shortest2 && !complex_.IsSeditious(v[k], v[(k + 1) % 3])) shortest2 = d2;
+      if (!(d2 < shortest2)) continue;
+      std::size_t at = count++;
+      for (; at > 0 && d2 < shorter[at - 1].d2; --at) shorter[at] = shorter[at - 1];
+      shorter[at] = {d2, k};
     }
+    const auto is_too_far = [&](double r2) {
+      const std::span<const Edge> edges(shorter.data(), count);
+      const bool with_x = complex_.rules.IsTooFar(r2, shortest2);
+      if (std::ranges::all_of(edges, [&](const Edge& edge) {
+            return complex_.rules.IsTooFar(r2, edge.d2) == with_x;
+          })) {
+        return with_x;
+      }
+      for (const auto& [d2, k] : edges) {
+        if (!complex_.IsSeditious(v[k], v[(k + 1) % 3])) return complex_.rules.IsTooFar(r2, d2);
+      }
+      return with_x;
+    };
     const bool keeps_quality = Counts(RefinementTerm::kCureKeepsQuality);
     // No two points of a sphere are farther apart than its diameter.
-    if (keeps_quality && complex_.rules.IsTooFar(0.25 * kNarrower * longest2, shortest2))
-      return true;
+    if (keeps_quality && is_too_far(0.25 * kNarrower * longest2)) return true;
     const geometry::Circumball ball = ball_of();
     Point centre = x;
     for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
-    return (keeps_quality && complex_.rules.IsTooFar(ball.r2, shortest2)) ||
-           complex_.IsTooLarge(centre, ball.r2);
+    return (keeps_quality && is_too_far(ball.r2)) || complex_.IsTooLarge(centre, ball.r2);
   }
   return false;
 }

@@ -66,7 +66,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
   const Point &a = complex_.vertex(sub.a).p, &b = complex_.vertex(sub.b).p;
   witnesses_.clear();
   on_surface_.clear();
-  if (D == 2 && complex_.is_global()) {
+  if (D == 2 && complex_.reads_off()) {
     if (!IsEncroachedInTriangulation(sub)) return std::nullopt;
     return witnesses_;
   }

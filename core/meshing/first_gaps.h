@@ -1,4 +1,4 @@
-// Untraced, with a triangulation: only vertices that own a gap are ever queued.
+// Untraced, with a triangulation and without facets: only vertices that own a gap are ever queued.
 //
 // Once the input's subsegments are settled, all present gaps are found at once, triangle by
 // triangle; later gaps when their owner, the newborn, is published. The segment work of bucket 0
@@ -46,7 +46,7 @@ class FirstGaps {
 
 template <int D, template <class> class E>
 void FirstGaps<D, E>::RequestAll() {
-  if (complex_.triangulation != nullptr && complex_.by_edge()) {
+  if (complex_.is_global() && complex_.by_edge()) {
     engine_.Request(kNearest, 0, NearestEpoch());
   } else if (complex_.triangulation != nullptr) {
     for (VertexIndex v = 0; v < complex_.elements.vertex_end(); ++v)

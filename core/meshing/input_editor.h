@@ -100,7 +100,7 @@ VertexIndex InputEditor<D, E>::AddVertex(const Point& p, int dimension, FeatureS
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   complex_.SetPresent(v, true);
   if (kTraced && complex_.triangulation == nullptr) complex_.appeared.push_back(v);
-  if (!complex_.is_global() || !complex_.border_only) complex_.tree.Insert(v, p);
+  if (!complex_.reads_off() || !complex_.border_only) complex_.tree.Insert(v, p);
   if (complex_.triangulation != nullptr && !complex_.triangulation->Contains(v)) {
     if constexpr (D == 2) {
       complex_.triangulation->Insert(v, p, complex_.hints.near);
@@ -128,7 +128,7 @@ void InputEditor<D, E>::RemovePoint(VertexIndex v) {
 template <int D, template <class> class E>
 SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                                               const SegmentShape& shape) {
-  if (complex_.is_global() && complex_.border_only && feature != 0) {
+  if (complex_.reads_off() && complex_.border_only && feature != 0) {
     // So far nothing needed the tree. Subsegments are found through it.
     for (VertexIndex v = 0; v < complex_.elements.vertex_end(); ++v) {
       complex_.tree.Insert(v, complex_.vertex(v).p);

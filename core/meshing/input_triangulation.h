@@ -23,9 +23,22 @@ class InputTriangulation {
   // between curves, refinement would make still more. Then neighbourhoods are found without a
   // triangulation. False if it was interrupted. 2D: does nothing, points are inserted one by one.
   bool Fill(absl::FunctionRef<bool()> interrupt);
+  // With facets. Call when segment work on the input has inserted a vertex: between edges that are
+  // split often there may be many tetrahedra per vertex, too.
+  void LeaveIfLarge() {
+    if (IsLarge()) Drop();
+  }
 
  private:
+  bool IsLarge() const {
+    constexpr std::size_t kMostPerVertex = 16;
+    return complex_.triangulation->is_full() ||
+           complex_.triangulation->simplex_count() >
+               kMostPerVertex * complex_.triangulation->vertex_count() + 10'000;
+  }
   void Leave();
+  // From now on neighbourhoods are found without a triangulation.
+  void Drop();
 
   Complex<D, E>& complex_;
   EngineOf<D, E>& engine_;
@@ -38,12 +51,7 @@ template <int D, template <class> class E>
 bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
     if (complex_.triangulation == nullptr || input_.pending().empty()) return true;
-    // In a triangulation gaps are found tetrahedron by tetrahedron; facets are not.
-    if (!complex_.facets.empty()) {
-      Leave();
-      return true;
-    }
-    constexpr std::size_t kMostPerVertex = 16, kFirst = 512, kAtOnce = 2048;
+    constexpr std::size_t kFirst = 512, kAtOnce = 2048;
     std::vector<VertexIndex> part;
     std::vector<geometry::Point<D>> positions;
     // Random rounds, each as large as all earlier ones together: a few points show whether there
@@ -65,9 +73,7 @@ bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
         complex_.triangulation->InsertAll(std::span(part).subspan(from, count),
                                           std::span(positions).subspan(from, count));
       }
-      if (complex_.triangulation->is_full() ||
-          complex_.triangulation->simplex_count() >
-              kMostPerVertex * complex_.triangulation->vertex_count() + 10'000) {
+      if (IsLarge()) {
         Leave();
         return true;
       }
@@ -79,8 +85,7 @@ bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
 
 template <int D, template <class> class E>
 void InputTriangulation<D, E>::Leave() {
-  complex_.ResetToDomain(complex_.triangulation);
-  complex_.triangulation = nullptr;
+  Drop();
   input_.pending().clear();
   if constexpr (!kIsTraced<D, E>) {
     for (VertexIndex v = 0; v < complex_.elements.vertex_end(); ++v) {
@@ -88,6 +93,12 @@ void InputTriangulation<D, E>::Leave() {
       engine_.Request(kNearest, v, NearestEpoch());
     }
   }
+}
+
+template <int D, template <class> class E>
+void InputTriangulation<D, E>::Drop() {
+  complex_.ResetToDomain(complex_.triangulation);
+  complex_.triangulation = nullptr;
 }
 
 }  // namespace dynmesh::meshing

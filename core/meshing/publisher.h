@@ -141,7 +141,7 @@ bool Publisher<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   const bool is_of_cure = IsOfCure(vertex);
   if (is_of_cure) {
     complex_.cured.Insert(v, vertex.p);
-  } else if (!complex_.is_global() || (vertex.dimension < D && !complex_.border_only)) {
+  } else if (!complex_.reads_off() || (vertex.dimension < D && !complex_.border_only)) {
     complex_.tree.Insert(v, vertex.p);
   }
   const bool is_in = InsertIntoTriangulation(v);

@@ -226,10 +226,15 @@ void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const 
 
 template <int D, template <class> class E>
 void Refinement<D, E>::Publish(sac::Output output, sac::Stamp at) {
-  [[maybe_unused]] const bool is_in = parts_->publisher.Publish(output, at);
+  const bool is_in = parts_->publisher.Publish(output, at);
+  const VertexIndex v = IndexOf(output);
+  // Until then vertices are of the input and its segments, and so in the tree. With facets each has
+  // an operation of its own.
+  if (is_in && !complex_.facets.empty() && vertex(v).epoch < NearestEpoch()) {
+    parts_->input_triangulation.LeaveIfLarge();
+  }
   if constexpr (!kTraced) {
-    const VertexIndex v = IndexOf(output);
-    if (is_in && complex_.by_edge() && IsQualityEpoch(vertex(v).epoch)) {
+    if (is_in && complex_.is_global() && complex_.by_edge() && IsQualityEpoch(vertex(v).epoch)) {
       parts_->first_gaps.FindOf(v);
     }
   }

@@ -127,8 +127,8 @@ void StarFinder<D, E>::ReadOff(Link& link, VertexIndex v, double reach) {
     }
   } else {
     if (ReadOffLink(link, v, reach)) {
-      // By edges no decision depends on the reach.
-      const bool needs_no_ghosts = link.is_closed && !kTraced && complex_.by_edge();
+      // By edges no decision depends on the reach, but those about facets do.
+      const bool needs_no_ghosts = link.is_closed && complex_.is_global() && complex_.by_edge();
       if (!needs_no_ghosts && !star_.IsWithinReach()) star_.InsertGhosts();
       return;
     }

@@ -1,6 +1,6 @@
 // Facets in 3D: after every edit refinement equals a run from scratch, in vertices, subsegments and
-// complete trace. The triangulation of the vertices covers each facet once, and no tetrahedron is
-// over rho.
+// complete trace, whether neighbourhoods are found locally or read off a triangulation. The
+// triangulation of the vertices covers each facet once, and no tetrahedron is over rho.
 //
 // Facets are faces of a grid, at right angles or in one plane where they meet, and frames between
 // its planes, not convex and with a hole. DYNMESH_NIGHTLY=1 runs long scripts.
@@ -276,10 +276,17 @@ TEST_P(SpaceFacets, AreFromScratchAfterEveryEditAndCovered) {
     Complex untraced(untraced_refinement);
     untraced.AddAllOf(dynamic);
     untraced.Run();
+    delaunay::DelaunayTetrahedralization whole;
+    Traced read_off_refinement(options, &whole);
+    Complex read_off(read_off_refinement);
+    read_off.AddAllOf(dynamic);
+    read_off.Run();
     ASSERT_EQ(VerticesOf(traced), VerticesOf(fresh_refinement));
     ASSERT_EQ(VerticesOf(traced), VerticesOf(untraced_refinement));
     std::vector<std::string> problems;
-    ASSERT_EQ(Audit(traced, &problems), Audit(fresh_refinement, &problems));
+    const auto trace = Audit(traced, &problems);
+    ASSERT_EQ(trace, Audit(fresh_refinement, &problems));
+    ASSERT_EQ(trace, Audit(read_off_refinement, &problems));
     ASSERT_TRUE(problems.empty()) << problems[0];
     if (revision % 5 == 4) ExpectGoodMesh(dynamic, traced);
     if (testing::Test::HasFailure()) return;
@@ -311,6 +318,39 @@ TEST(SpaceFacets, AreCoveredWhereTheFarSideIsEquallyNear) {
     complex.Run();
     ExpectGoodMesh(complex, refinement);
   }
+}
+
+// Two narrow strips, one above the other and across it. Their edges are split often, and each part
+// of one spans tetrahedra with each part of the other.
+TEST(SpaceFacets, BetweenEdgesThatAreSplitOftenTheTriangulationIsLeft) {
+  const auto add_strips = [](auto& complex) {
+    constexpr double kLow = 0.1, kHigh = 1.1, kMiddle = 0.6, kWidth = 1.0 / 512;
+    complex.Toggle(Shape{{{{kLow, kMiddle, 0.4}},
+                          {{kHigh, kMiddle, 0.4}},
+                          {{kHigh, kMiddle + kWidth, 0.4}},
+                          {{kLow, kMiddle + kWidth, 0.4}}}});
+    complex.Toggle(Shape{{{{kMiddle, kLow, 0.7}},
+                          {{kMiddle, kHigh, 0.7}},
+                          {{kMiddle + kWidth, kHigh, 0.7}},
+                          {{kMiddle + kWidth, kLow, 0.7}}}});
+  };
+  Traced traced(Options(), nullptr);
+  Complex local(traced);
+  add_strips(local);
+  local.Run();
+
+  delaunay::DelaunayTetrahedralization triangulation;
+  Untraced untraced(Options(), &triangulation);
+  Complex read_off(untraced);
+  add_strips(read_off);
+  std::size_t most = 0;  // tetrahedra beyond 16 to a vertex
+  ASSERT_TRUE(untraced.Propagate([&] {
+    const std::size_t usual = 16 * triangulation.vertex_count();
+    most = std::max(most, std::max(triangulation.simplex_count(), usual) - usual);
+    return false;
+  }));
+  EXPECT_EQ(VerticesOf(traced), VerticesOf(untraced));
+  EXPECT_LT(most, 12'000u);
 }
 
 }  // namespace
