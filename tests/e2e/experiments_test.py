@@ -28,6 +28,14 @@ def main() -> None:
         made = surfaces.by_dynmesh(program, path, True, 60, folder)
         assert isinstance(made, surfaces.Result) and made.verdict == "good", made
         assert made.vertices == 8, made
+        solids.write_off(path, solids.triangulated(solids.box((0, 0, 0), (1, 2, 4))))
+        counts = []
+        for merged in (False, True):
+            made = surfaces.by_dynmesh(program, path, True, 60, folder, merged)
+            assert isinstance(made, surfaces.Result) and made.verdict == "good", made
+            counts.append(made.vertices)
+        assert counts[1] < counts[0], counts
+        solids.write_off(path, box)
         if meshers.has_tetgen():
             for closed in (True, False):
                 run = surfaces.by_tetgen(path, box, closed, 60, folder)

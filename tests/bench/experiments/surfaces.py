@@ -52,8 +52,8 @@ def is_closed(surface: solids.Surface) -> bool:
     return all(n % 2 == 0 for n in count.values())
 
 
-def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, merged: bool, limit: float,
-               folder: pathlib.Path) -> Result | str:
+def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: float,
+               folder: pathlib.Path, merged: bool = False) -> Result | str:
     """What was made, or the reason for a refusal."""
     out = folder / "mesh.node"
     flags = ["--min-dihedral", "0", *(["--merge-coplanar"] if merged else [])]
@@ -108,7 +108,7 @@ def main() -> None:
             if surface:
                 solids.write_off(path, surface)
             closed = surface is None or is_closed(surface)
-            made = by_dynmesh(flags.bin / "dynmesh", path, closed, merged, flags.limit, folder)
+            made = by_dynmesh(flags.bin / "dynmesh", path, closed, flags.limit, folder, merged)
             cells = ([f"{made.vertices:,}", f"{made.seconds:.2f}", f"{made.exempt:,}", made.verdict]
                      if isinstance(made, Result) else ["", "", "", made])
             peer = (by_tetgen(path, surface, closed, flags.limit, folder)
