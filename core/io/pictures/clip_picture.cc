@@ -45,21 +45,22 @@ class Clip {
                        Scaled(camera_.right, -0.45)))) {}
 
   MeshPicture Run() {
-    std::vector<std::pair<double, Side>> seen;  // with powers
+    const std::vector<Depth> depths = Depths();
+    std::vector<std::pair<Depth, Side>> seen;
     for (const Side& side : Outer()) {
-      const Vector3 normal = Normal(side.corners);
-      if (Dot(normal, Difference(camera_.eye, At(side.corners[0]))) <= 0) continue;
-      seen.emplace_back(PowerOf(side.tetrahedron), side);
+      if (IsSeen(side.corners)) seen.emplace_back(depths[side.tetrahedron], side);
     }
     std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
-      return a.first != b.first ? a.first > b.first : a.second.corners < b.second.corners;
+      if (a.first.power != b.first.power) return a.first.power > b.first.power;
+      return a.first.rank != b.first.rank ? a.first.rank < b.first.rank
+                                          : a.second.corners < b.second.corners;
     });
     absl::flat_hash_map<Corners, FeatureId> owner_of;
     for (const IndexedMesh::Face& face : mesh_.faces) {
       if (face.owner != kBoxFeature) owner_of.emplace(face.corners, face.owner);
     }
     MeshPicture picture;
-    for (const auto& [power, side] : seen) {
+    for (const auto& [depth, side] : seen) {
       MeshPicture::Cell& cell = picture.cells.emplace_back();
       cell.count = 3;
       cell.simplex = side.tetrahedron;
@@ -81,6 +82,62 @@ class Clip {
 
   Vector3 Normal(const Corners& c) const {
     return Cross(Difference(At(c[1]), At(c[0])), Difference(At(c[2]), At(c[0])));
+  }
+
+  bool IsSeen(const Corners& c) const {
+    return Dot(Normal(c), Difference(camera_.eye, At(c[0]))) > 0;
+  }
+
+  // Tetrahedra with a lesser power of the eye are in front. Those of one ball, as in a regular
+  // grid, have one power. So among neighbours with one power up to rounding the side between them
+  // decides: the rank is the number of them, one behind the other.
+  struct Depth {
+    double power = 0;
+    int rank = 0;
+  };
+  std::vector<Depth> Depths() const {
+    std::vector<Depth> depths(mesh_.tetrahedra.size());
+    for (std::uint32_t i = 0; i < depths.size(); ++i) depths[i].power = PowerOf(i);
+    const std::vector<std::pair<std::uint32_t, std::uint32_t>> ties = Ties(depths);
+    // Each round moves the ranks, and one power for all of a ball, a step on. Balls have few
+    // tetrahedra; rounding of flat ones might make a circle.
+    constexpr int kMostRounds = 64;
+    bool changes = true;
+    for (int round = 0; changes && round < kMostRounds; ++round) {
+      changes = false;
+      for (const auto& [behind, front] : ties) {
+        Depth &b = depths[behind], &f = depths[front];
+        const double power = std::min(b.power, f.power);
+        changes |= b.power != f.power || f.rank <= b.rank;
+        b.power = f.power = power;
+        f.rank = std::max(f.rank, b.rank + 1);
+      }
+    }
+    return depths;
+  }
+
+  // Neighbours with one power up to rounding, the one behind first.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> Ties(
+      const std::vector<Depth>& depths) const {
+    constexpr double kRounding = 1e-11;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ties;
+    absl::flat_hash_map<Corners, std::uint32_t> open;
+    for (std::uint32_t i = 0; i < mesh_.tetrahedra.size(); ++i) {
+      const IndexedMesh::Tetrahedron& t = mesh_.tetrahedra[i];
+      for (const auto& side : kTetrahedronSides) {
+        const Corners corners = {t[side[0]], t[side[1]], t[side[2]]};
+        Corners key = corners;
+        std::sort(key.begin(), key.end());
+        const auto [it, is_new] = open.try_emplace(key, i);
+        if (is_new) continue;
+        const std::uint32_t other = it->second;
+        open.erase(it);
+        const double a = depths[i].power, b = depths[other].power;
+        if (std::abs(a - b) > kRounding * std::max(std::abs(a), std::abs(b))) continue;
+        ties.emplace_back(IsSeen(corners) ? std::pair(i, other) : std::pair(other, i));
+      }
+    }
+    return ties;
   }
 
   bool IsKept(const IndexedMesh::Tetrahedron& t) const {
