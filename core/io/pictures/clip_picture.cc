@@ -180,7 +180,8 @@ class Clip {
                             Scaled(Cross(a, b), Dot(c, c)));
     const Vector3 to_eye = Difference(camera_.eye, o);
     // With the centre o + w the power is |e|^2 - 2 e . w, e from o to the eye.
-    return Dot(to_eye, to_eye) - 2 * Dot(to_eye, Scaled(sum, 1 / twice));
+    const double power = Dot(to_eye, to_eye) - 2 * Dot(to_eye, Scaled(sum, 1 / twice));
+    return std::isfinite(power) ? power : Dot(to_eye, to_eye);  // flat up to rounding
   }
 
   const IndexedMesh& mesh_;
