@@ -121,23 +121,35 @@ class Clip {
       const std::vector<Depth>& depths) const {
     constexpr double kRounding = 1e-11;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ties;
-    absl::flat_hash_map<Corners, std::uint32_t> open;
+    MatchSides([](const auto&) { return true; },
+               [&](const Side& side, std::uint32_t other) {
+                 const std::uint32_t i = side.tetrahedron;
+                 const double a = depths[i].power, b = depths[other].power;
+                 if (std::abs(a - b) > kRounding * std::max(std::abs(a), std::abs(b))) return;
+                 ties.push_back(IsSeen(side.corners) ? std::pair(i, other) : std::pair(other, i));
+               });
+    return ties;
+  }
+
+  // Calls common(side, tetrahedron on the other side) for sides that two of the used tetrahedra
+  // have. Returns those that one has.
+  template <class IsUsed, class Common>
+  absl::flat_hash_map<Corners, Side> MatchSides(IsUsed is_used, Common common) const {
+    absl::flat_hash_map<Corners, Side> open;
     for (std::uint32_t i = 0; i < mesh_.tetrahedra.size(); ++i) {
       const IndexedMesh::Tetrahedron& t = mesh_.tetrahedra[i];
-      for (const auto& side : kTetrahedronSides) {
-        const Corners corners = {t[side[0]], t[side[1]], t[side[2]]};
-        Corners key = corners;
+      if (!is_used(t)) continue;
+      for (const auto& at : kTetrahedronSides) {
+        const Side side = {{t[at[0]], t[at[1]], t[at[2]]}, i};
+        Corners key = side.corners;
         std::sort(key.begin(), key.end());
-        const auto [it, is_new] = open.try_emplace(key, i);
+        const auto [it, is_new] = open.try_emplace(key, side);
         if (is_new) continue;
-        const std::uint32_t other = it->second;
+        common(side, it->second.tetrahedron);
         open.erase(it);
-        const double a = depths[i].power, b = depths[other].power;
-        if (std::abs(a - b) > kRounding * std::max(std::abs(a), std::abs(b))) continue;
-        ties.emplace_back(IsSeen(corners) ? std::pair(i, other) : std::pair(other, i));
       }
     }
-    return ties;
+    return open;
   }
 
   bool IsKept(const IndexedMesh::Tetrahedron& t) const {
@@ -152,18 +164,8 @@ class Clip {
 
   // The sides that only one of the kept tetrahedra has.
   std::vector<Side> Outer() const {
-    absl::flat_hash_map<Corners, Side> open;
-    for (std::uint32_t i = 0; i < mesh_.tetrahedra.size(); ++i) {
-      const IndexedMesh::Tetrahedron& t = mesh_.tetrahedra[i];
-      if (!IsKept(t)) continue;
-      for (const auto& side : kTetrahedronSides) {
-        const Corners corners = {t[side[0]], t[side[1]], t[side[2]]};
-        Corners key = corners;
-        std::sort(key.begin(), key.end());
-        const auto [it, is_new] = open.try_emplace(key, Side{corners, i});
-        if (!is_new) open.erase(it);
-      }
-    }
+    const auto open =
+        MatchSides([this](const auto& t) { return IsKept(t); }, [](const Side&, std::uint32_t) {});
     std::vector<Side> sides;
     for (const auto& [key, side] : open) sides.push_back(side);
     return sides;
