@@ -118,6 +118,7 @@ void Followers::Rest(Clock::duration worked) {
 }
 
 absl::Status Followers::CheckRoomLocked(const Follower& follower) const {
+  if (settled_) return absl::UnavailableError("nothing new is followed");
   if (by_id_.size() > options_.max_meshes) {
     return absl::ResourceExhaustedError("as many meshes are followed as may be");
   }
@@ -142,7 +143,6 @@ absl::Status Followers::LookUp(const FollowerPtr& follower, bool* is_free) {
   follower->mesh = place->mesh;
   follower->owner = owner;
   if (room.ok()) room = CheckRoomLocked(*follower);
-  if (room.ok() && settled_) room = absl::UnavailableError("nothing new is followed");
   return room.ok() ? room : NotOwnerError(follower->id, owner);
 }
 

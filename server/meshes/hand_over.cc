@@ -19,12 +19,10 @@ using Clock = std::chrono::steady_clock;
 // Between two looks for the claim.
 constexpr std::chrono::milliseconds kLook(5);
 
-// Tells the epoch in which a mesh was handed over; 0: it was not. Tells it when its strand is done
-// with it, or has ended without.
+// What became of a mesh; its strand sets it, perhaps after the end of the call.
 struct Given {
-  ~Given() { told.set_value(epoch); }
-  std::int64_t epoch = 0;
-  std::promise<std::int64_t> told;
+  std::int64_t epoch = 0;  // in which it was handed over; 0: it was not
+  std::promise<void> ended;
 };
 
 absl::StatusOr<MeshOwner> Give(SharedJournal* journal, const std::string& address,
@@ -61,25 +59,26 @@ void HandMeshesOver(SharedJournal* journal, const std::string& address,
   std::erase(*nodes, address);
   if (nodes->empty()) return;
   turn = std::min(turn, limit / (4 * static_cast<std::int64_t>(meshes.size() + 1)));
-  std::vector<std::future<std::int64_t>> all;
+  std::vector<std::future<void>> late;
   for (const auto& [host, key] : meshes) {
     const Clock::time_point over = Clock::now() + absl::ToChronoNanoseconds(turn);
     const std::string id = host->id();
-    auto given = std::make_shared<Given>();
-    all.push_back(given->told.get_future());
+    const auto given = std::make_shared<Given>();
+    std::future<void> ended = given->ended.get_future();
     host->HandOver(
-        [=, nodes = *nodes, given = std::move(given), key = key] {
+        [=, nodes = *nodes, key = key] {
           absl::StatusOr<MeshOwner> owner = Give(journal, address, nodes, id, key);
           if (owner.ok()) given->epoch = owner->epoch;
           return owner;
         },
-        [](const absl::Status&) {});
-    if (all.back().wait_until(over) != std::future_status::ready) continue;
-    const std::int64_t epoch = all.back().get();
-    all.pop_back();
-    if (epoch != 0) WaitForClaim(journal, id, epoch, over);
+        [given](const absl::Status&) { given->ended.set_value(); });
+    if (ended.wait_until(over) != std::future_status::ready) {
+      late.push_back(std::move(ended));
+    } else if (given->epoch != 0) {
+      WaitForClaim(journal, id, given->epoch, over);
+    }
   }
-  for (const std::future<std::int64_t>& one : all) one.wait_until(end);
+  for (const std::future<void>& one : late) one.wait_until(end);
 }
 
 }  // namespace dynmesh::server

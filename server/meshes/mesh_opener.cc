@@ -72,10 +72,10 @@ void MeshOpener::Queue(const std::string& id, Opening& opening) {
   pool_.Post([this, id] { Step(id); });
 }
 
-std::vector<std::pair<std::string, MeshOpener::Waiter>> MeshOpener::TakeQueued() {
+std::vector<std::pair<std::string, MeshOpener::Waiter>> MeshOpener::TakeAll(bool queued_only) {
   std::vector<std::pair<std::string, Waiter>> taken;
   for (auto& [id, opening] : openings_) {
-    if (!opening.queued) continue;
+    if (queued_only && !opening.queued) continue;
     for (Waiter& waiter : Take(opening, [](const Waiter&) { return true; })) {
       taken.emplace_back(id, std::move(waiter));
     }
@@ -104,7 +104,7 @@ void MeshOpener::Step(const std::string& id) {
   std::vector<std::pair<std::string, Waiter>> failed;
   {
     const std::lock_guard lock(mutex_);
-    if (!found.failure.ok()) failed = TakeQueued();
+    if (!found.failure.ok()) failed = TakeAll(/*queued_only=*/true);
     Opening& opening = openings_[id];
     if (found.again > Clock::duration::zero()) {
       if (absl::IsAborted(found.answer.status())) {
@@ -219,17 +219,13 @@ void MeshOpener::RunTimer() {
 }
 
 void MeshOpener::Close(const absl::Status& status) {
-  std::vector<Waiter> waiters;
+  std::vector<std::pair<std::string, Waiter>> waiters;
   {
     const std::lock_guard lock(mutex_);
     if (closed_.ok()) closed_ = status;
-    for (auto& [id, opening] : openings_) {
-      for (Waiter& waiter : Take(opening, [](const Waiter&) { return true; })) {
-        waiters.push_back(std::move(waiter));
-      }
-    }
+    waiters = TakeAll(/*queued_only=*/false);
   }
-  for (const Waiter& waiter : waiters) waiter.done(status);
+  for (const auto& [id, waiter] : waiters) waiter.done(status);
 }
 
 void MeshOpener::Stop() {

@@ -91,8 +91,9 @@ class MeshOpener {
   // Under mutex_.
   void Queue(const std::string& id, Opening& opening);
   void Step(const std::string& id);
-  // Those that wait for a step, by mesh. Under mutex_.
-  std::vector<std::pair<std::string, Waiter>> TakeQueued();
+  // Takes all waiters out, with their meshes; `queued_only`: of those whose step has not begun.
+  // Under mutex_.
+  std::vector<std::pair<std::string, Waiter>> TakeAll(bool queued_only);
   Found Look(const std::string& id, bool claims, const Opening& before);
   Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims, int left);
   // Where a mesh is to be opened that its last owner does not have any more; this node's address if
