@@ -40,8 +40,8 @@ class Writer(threading.Thread):
         self._phase = phase  # of its points in the sequence
         self.dimension = dimension
         self.acknowledged = 0
-        self.times: list[float] = [time.monotonic()]  # of batch k
-        self.waits: list[tuple[float, float]] = []  # of batch k + 1: from its first call to its answer
+        # Of batch k + 1: from its first call to its answer.
+        self.waits: list[tuple[float, float]] = []
         self._chance = random.Random(phase)
         self.errors: list[str] = []  # that reached this client of the library
         self.trouble = ""
@@ -92,8 +92,7 @@ class Writer(threading.Thread):
                 time.sleep(0.1)
         if diff.to_revision != number:
             self.trouble = f"{self.mesh}: batch {number} made revision {diff.to_revision}"
-        self.times.append(time.monotonic())
-        self.waits.append((begin, self.times[-1]))
+        self.waits.append((begin, time.monotonic()))
         self.acknowledged = number
 
     def hold(self) -> None:
@@ -311,7 +310,7 @@ class Workload:
         wait_until(f"a batch of each writer {where}", lambda: all(
             writer.acknowledged > before + 1 or writer.trouble
             for writer, before in zip(self.writers, known)), patience)
-        return max((writer.times[before + 1] for writer, before in zip(self.writers, known)
+        return max((writer.waits[before][1] for writer, before in zip(self.writers, known)
                     if not writer.trouble), default=time.monotonic())
 
     def errors(self) -> list[str]:
