@@ -11,8 +11,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "dynmesh/codec/features_at.h"
 #include "dynmesh/mesh.h"
-#include "proto/codec/features_codec.h"
 #include "server/journal/journal.h"
 #include "server/revisions/revision_store.h"
 
