@@ -118,7 +118,7 @@ class FollowerTest : public WriterTest {
 };
 
 TEST_F(FollowerTest, ReadsOfAFollowerEqualTheOwners) {
-  const std::uint64_t seed = Seed();
+  const std::uint64_t seed = NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   StartNodes(3, more_);

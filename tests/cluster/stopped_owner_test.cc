@@ -25,7 +25,7 @@ TEST_F(StoppedOwnerTest, WritesAndReadsGoOnAtAnotherNodeAndTheOldOwnerIsFenced) 
   const int stops = CountFrom("DYNMESH_CLUSTER_STOPS", 2);
   ASSERT_GT(stops, 0) << "DYNMESH_CLUSTER_STOPS is no number above 0";
   const int length = CountFrom("DYNMESH_CLUSTER_STOP", 3);
-  const std::uint64_t seed = Seed();
+  const std::uint64_t seed = NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   StartNodes(3);

@@ -44,7 +44,7 @@ class TakeoverTest : public WriterTest {
 TEST_F(TakeoverTest, AKilledOwnersMeshesGoOnAtAnotherNodeAndNothingIsLostOrDoubled) {
   const int kills = CountFrom("DYNMESH_CLUSTER_KILLS", 4);
   ASSERT_GT(kills, 0) << "DYNMESH_CLUSTER_KILLS is no number above 0";
-  const std::uint64_t seed = Seed();
+  const std::uint64_t seed = NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   StartNodes(3);

@@ -146,7 +146,7 @@ class CopyJournalTest : public ::testing::Test {
 };
 
 TEST_F(CopyJournalTest, ToADatabaseAndBackNothingChangesForClients) {
-  const std::uint64_t seed = test::Seed();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   MakeSource(seed);
   ASSERT_FALSE(HasFatalFailure());
@@ -166,7 +166,7 @@ TEST_F(CopyJournalTest, ToADatabaseAndBackNothingChangesForClients) {
 }
 
 TEST_F(CopyJournalTest, KilledInTheMiddleItIsRepeatedAndGoesOn) {
-  const std::uint64_t seed = test::Seed();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   MakeSource(seed);

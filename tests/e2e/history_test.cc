@@ -21,6 +21,7 @@
 #include "server/server.h"
 #include "tests/support/label_script.h"
 #include "tests/support/polygon_script.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/workload.h"
 
@@ -44,9 +45,7 @@ class HistoryTest : public ::testing::Test {
  protected:
   HistoryTest() {
     EXPECT_TRUE(server::SetLogLevel("error").ok());
-    const char* given = std::getenv("DYNMESH_TEST_SEED");
-    seed_ = given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-    std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed_));
+    seed_ = test::NewSeed();
   }
 
   void Start(bool journal = true) {

@@ -66,7 +66,7 @@ class KillTest : public ::testing::Test {
 };
 
 TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
-  const std::uint64_t seed = Seed();
+  const std::uint64_t seed = NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
   std::mt19937_64 random(seed);
@@ -119,7 +119,7 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
 
 // Many batches in progress, applied ahead of the disk, written together.
 TEST_F(KillTest, InTheMiddleOfAStreamLosesNothingThatWasAcknowledged) {
-  const std::uint64_t seed = Seed();
+  const std::uint64_t seed = NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
   std::mt19937_64 random(seed);
@@ -159,7 +159,7 @@ TEST_F(KillTest, InTheMiddleOfAStreamLosesNothingThatWasAcknowledged) {
 
 // A snapshot of several transactions is in progress, or about to be, or done.
 TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
-  std::mt19937_64 random(Seed());
+  std::mt19937_64 random(NewSeed());
   constexpr FeatureId kPoints = 100'000;
   EditBatch batch;
   for (FeatureId id = 1; id <= kPoints; ++id) {

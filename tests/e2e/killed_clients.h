@@ -23,6 +23,7 @@
 #include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::test {
 
@@ -34,14 +35,6 @@ inline std::string ReasonOf(const absl::Status& status) {
 
 // No answer came: only the server's journal determines whether it was applied.
 inline bool WasNotAnswered(const absl::Status& status) { return absl::IsUnavailable(status); }
-
-inline std::uint64_t Seed() {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
-  return seed;
-}
 
 using FeatureMap = std::map<FeatureId, Feature>;
 

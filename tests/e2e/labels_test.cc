@@ -10,6 +10,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/label_script.h"
+#include "tests/support/seed.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -30,7 +31,7 @@ LabelColumn LabelsOf(const client::WatchSession& watch) {
 }
 
 TEST_F(EndToEndTest, WatchersFollowLabels) {
-  const std::uint64_t seed = std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   test::LabelledScript script(test::ScriptGenerator(test::Distribution::kPolygons, 30, seed),
                               seed + 1);

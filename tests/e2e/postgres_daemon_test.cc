@@ -51,7 +51,7 @@ class PostgresDaemonTest : public ::testing::Test {
 };
 
 TEST_F(PostgresDaemonTest, KilledWithOrWithoutItsDatabaseItLosesNothing) {
-  const std::uint64_t seed = test::Seed();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   const int kills = test::IsNightly() ? 150 : 9;
   std::mt19937_64 random(seed);
@@ -89,7 +89,7 @@ TEST_F(PostgresDaemonTest, KilledWithOrWithoutItsDatabaseItLosesNothing) {
 
 // Entries, snapshots and the past have the labels of their features.
 TEST_F(PostgresDaemonTest, LabelsComeBack) {
-  const std::uint64_t seed = test::Seed();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   test::LabelledScript script(test::ScriptGenerator(test::Distribution::kPolygons, 20, seed),
                               seed + 1);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <random>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::cleaning {
 namespace {
@@ -131,8 +131,7 @@ TEST(SeedFaces, OfNothingAreOutside) {
 
 // Any input that crosses or overlaps: some rings along the segments, and termination.
 TEST(SeedFaces, TakeAnySegments) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   for (int round = 0; round < 500; ++round) {
     Drawing drawing;
@@ -156,8 +155,7 @@ TEST(SeedFaces, TakeAnySegments) {
 // A grid with random edges left out. The oracle floods cells: a face is a connected set, and its
 // boundary is the edges with it on one side.
 TEST(SeedFaces, EqualFloodedCells) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   for (int round = 0; round < 200; ++round) {
     const int n = 2 + static_cast<int>(random() % 9);

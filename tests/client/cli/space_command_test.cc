@@ -11,6 +11,7 @@
 #include "core/io/meshes/mesh_files.h"
 #include "tests/client/cli/command_line.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -193,7 +194,7 @@ TEST_F(SpaceCommands, TellOfDihedralAngles) {
 }
 
 TEST_F(SpaceCommands, VerifyCountsBelowADihedralAngleAsTheMesherDoes) {
-  const std::uint64_t seed = std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> within(0, 1);

@@ -3,7 +3,6 @@
 #define DYNMESH_TESTS_CLIENT_VERIFY_GOOD_FILES_H_
 
 #include <cstdint>
-#include <iostream>
 #include <random>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "client/verify/verify.h"
 #include "dynmesh/feature.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::cli {
 
@@ -30,11 +30,7 @@ inline GoodFiles MakeGoodFiles(std::uint64_t seed, int count, bool tilted = true
   return result;
 }
 
-inline std::uint64_t NewSeed() {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
-  return seed;
-}
+using test::NewSeed;
 
 }  // namespace dynmesh::cli
 

@@ -1,7 +1,6 @@
 // `verify` of meshes with polygons: labels of triangles, owners of edges.
 #include <algorithm>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <random>
 #include <set>
@@ -13,6 +12,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/verify/good_mesh.h"
 #include "tests/client/verify/report_text.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -23,8 +23,7 @@ using testing::MakePolygonMesh;
 constexpr double kAnyQuality = 1e9;
 
 TEST(VerifyRegions, AcceptsGoodMeshesWithPolygons) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   for (std::uint64_t i = 0; i < 10; ++i) {
     const GoodMesh good = MakePolygonMesh(seed + i, static_cast<int>(60 * i));
     EXPECT_EQ(good.files.mesh.regions.count(), 6U);
@@ -156,8 +155,7 @@ TEST(VerifyRegions, FindsEveryKindOfDamage) {
 }
 
 TEST(VerifyRegions, FindsEveryChangedLabel) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   const GoodMesh good = MakePolygonMesh(seed, 100);
   for (int round = 0; round < 100; ++round) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -18,6 +17,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/verify/good_mesh.h"
 #include "tests/client/verify/report_text.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -30,8 +30,7 @@ constexpr double kAnyQuality = 1e9;
 using io::IndexedMesh;
 
 TEST(Verify, AcceptsGoodMeshes) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   for (std::uint64_t i = 0; i < 20; ++i) {
     const GoodMesh good = MakeGoodMesh(seed + i, 10 + static_cast<int>(10 * i));
     const VerifyReport report = VerifyMesh(good.files, kAnyQuality, &good.features);
@@ -321,8 +320,7 @@ TEST(Slack, IsThatOfThePowerOfTwoBelowForAllLengths) {
 
 // Any change of one index is detected by topology or geometry, even without a recorded hash.
 TEST(Verify, FindsEveryChangedCorner) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   const GoodMesh good = MakeGoodMesh(seed, 40);
   for (int round = 0; round < 300; ++round) {

@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <random>
 #include <utility>
 #include <vector>
+
+#include "tests/support/seed.h"
 
 namespace dynmesh::coplanar {
 namespace {
@@ -17,11 +18,7 @@ namespace {
 using geometry::Point2;
 using geometry::Point3;
 
-std::mt19937 NewRandom() {
-  const std::uint32_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
-  return std::mt19937(seed);
-}
+std::mt19937 NewRandom() { return std::mt19937(test::NewSeed()); }
 
 // In the plane z = 2 x - 3 y + 1, which is parallel to no axis. Exact for small whole numbers.
 Point3 Lift(double x, double y) { return {{x, y, 2 * x - 3 * y + 1}}; }

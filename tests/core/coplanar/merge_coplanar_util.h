@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <iostream>
 #include <random>
 #include <set>
 #include <vector>
@@ -13,14 +12,11 @@
 #include "core/coplanar/merge_coplanar.h"
 #include "dynmesh/feature.h"
 #include "tests/core/coplanar/face_soup.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::coplanar {
 
-inline std::mt19937 NewRandom() {
-  const std::uint32_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
-  return std::mt19937(seed);
-}
+inline std::mt19937 NewRandom() { return std::mt19937(test::NewSeed()); }
 
 // As the points of a FaceSoup.
 inline std::vector<Feature> Points(const std::vector<testing::Place>& places) {

@@ -15,6 +15,7 @@
 #include "dynmesh/slot_mesh.h"
 #include "tests/support/label_script.h"
 #include "tests/support/same_diff.h"
+#include "tests/support/seed.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -263,9 +264,7 @@ LabelColumn RowsBetween(const Oracle& from, const Oracle& to) {
 }
 
 TEST_P(LabelHistory, EqualsAMapAndAMeshWithoutLabels) {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   const int dimension = test::DimensionOf(GetParam().distribution);
   const MeshOptions options = OptionsOf(dimension, GetParam().kind);

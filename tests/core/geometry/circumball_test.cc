@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <random>
 
 #include "core/geometry/exact_integer.h"
 #include "core/geometry/space_predicates.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::geometry {
 namespace {
@@ -47,8 +47,7 @@ std::array<Point3, 4> AnyPoints(std::mt19937_64& random, bool flat) {
 class CircumballTest : public testing::TestWithParam<bool> {};
 
 TEST_P(CircumballTest, IsAsNearAsItSays) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   int known = 0, unknown = 0;
   for (int i = 0; i < 3000; ++i) {

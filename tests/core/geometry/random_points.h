@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/geometry/point.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::geometry::testing {
 
@@ -116,15 +117,7 @@ class PointSource {
   std::mt19937_64 random_;
 };
 
-// A fresh seed, printed; DYNMESH_TEST_SEED in the environment repeats an old one.
-inline std::uint64_t NewSeed() {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-  std::fflush(stdout);
-  return seed;
-}
+using test::NewSeed;
 
 }  // namespace dynmesh::geometry::testing
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::mesh_data {
 namespace {
@@ -38,9 +39,7 @@ Feature RandomFeature(FeatureId id, std::mt19937_64& random) {
 }
 
 TEST(FeatureSet, ActsAsAMapAndIsMadeOfAnyOther) {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   FeatureSet set;

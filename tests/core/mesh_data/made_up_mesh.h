@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <iostream>
 #include <map>
 #include <random>
 #include <set>
@@ -14,17 +13,14 @@
 
 #include "core/mesh_data/constraints.h"
 #include "dynmesh/mesh.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::testing {
 
 using Random = std::mt19937_64;
 
 // A new seed each run, printed, so that a failure can be replayed.
-inline Random MakeRandom() {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
-  return Random(seed);
-}
+inline Random MakeRandom() { return Random(test::NewSeed()); }
 
 inline constexpr int kDimensions[] = {2, 3};
 

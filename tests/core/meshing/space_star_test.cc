@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <random>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "core/meshing/corner_towards.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -148,8 +148,7 @@ class Source {
 class SpaceStarTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(SpaceStarTest, IsThatOfTheTetrahedralisationOfPointsAndGhosts) {
-  const std::uint64_t base = std::random_device{}();
-  std::cout << "seed " << base << "\n";
+  const std::uint64_t base = test::NewSeed();
   int with_ghosts = 0, without = 0, errors_known = 0;
   SpaceStar star, other;
   for (std::uint64_t round = 0; round < 60; ++round) {
@@ -220,8 +219,7 @@ SpaceStar Rejoined(const SpaceStar& star) {
 
 // A few at a time, against a star of those that stay.
 TEST_P(SpaceStarTest, LosesNeighboursAsIfTheyHadNotBeenThere) {
-  const std::uint64_t base = std::random_device{}();
-  std::cout << "seed " << base << "\n";
+  const std::uint64_t base = test::NewSeed();
   int removed = 0, refused = 0;
   for (std::uint64_t round = 0; round < 200; ++round) {
     SCOPED_TRACE("seed " + std::to_string(base) + " round " + std::to_string(round));
@@ -273,8 +271,7 @@ TEST_P(SpaceStarTest, LosesNeighboursAsIfTheyHadNotBeenThere) {
 }
 
 TEST_P(SpaceStarTest, TheCornerTowardsAPointDecidesWhetherThePointIsANeighbour) {
-  const std::uint64_t base = std::random_device{}();
-  std::cout << "seed " << base << "\n";
+  const std::uint64_t base = test::NewSeed();
   int yes = 0, no = 0;
   for (std::uint64_t round = 0; round < 100; ++round) {
     SCOPED_TRACE("seed " + std::to_string(base) + " round " + std::to_string(round));

@@ -8,15 +8,11 @@
 #include <cstdlib>
 #include <random>
 
+#include "tests/support/seed.h"
+
 namespace dynmesh::sac::testing {
 
-inline std::uint64_t NewSeed() {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
-  return seed;
-}
+using test::NewSeed;
 
 class Random {
  public:

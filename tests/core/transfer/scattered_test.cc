@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <random>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::transfer {
 namespace {
 
-std::mt19937_64 MakeRandom() {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
-  return std::mt19937_64(seed);
-}
+std::mt19937_64 MakeRandom() { return std::mt19937_64(test::NewSeed()); }
 
 std::vector<double> AnyPositions(std::mt19937_64& random, int dimension, std::size_t count,
                                  double lo, double hi) {

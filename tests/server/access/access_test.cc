@@ -13,6 +13,7 @@
 #include "server/base/process.h"
 #include "tests/server/test_support.h"
 #include "tests/support/certificates.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::server {
@@ -71,8 +72,7 @@ TEST(CertificateWatch, TellsAtOnceAndThenNowAndAgain) {
 }
 
 TEST(Pattern, MatchesAsItsDefinitionSays) {
-  const std::uint32_t seed = std::random_device{}();
-  std::printf("seed %u\n", seed);
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937 random(seed);
   const auto draw = [&](const char* letters, int count, std::size_t most) {
     std::string word;

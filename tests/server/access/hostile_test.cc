@@ -7,6 +7,7 @@
 #include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/raw_http2.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::server {
 namespace {
@@ -170,8 +171,7 @@ TEST_F(HostileTest, WatchersThatNeverReadCostLittle) {
 
 TEST_F(HostileTest, GarbageIsNoRequest) {
   Start();
-  const std::uint32_t seed = std::random_device{}();
-  std::printf("seed %u\n", seed);
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937 random(seed);
   for (int i = 0; i < 200; ++i) {
     std::string bytes(random() % 8192, '\0');

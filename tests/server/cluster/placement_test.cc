@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/base/boot_time.h"
 #include "server/cluster/read_lease.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::server {
 namespace {
@@ -37,7 +38,7 @@ TEST(Placement, TheOrderOfTheNodesDoesNotMatter) {
 }
 
 TEST(Placement, OnlyTheMeshesOfANodeThatGoesMove) {
-  const unsigned seed = std::random_device()();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("seed ", seed));
   std::mt19937 random(seed);
   std::vector<std::string> nodes;

@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/damage_fixture.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::server {
 namespace {
@@ -108,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Parts, EveryByteOfTheLog, ::testing::Range(0, kParts));
 // The power failed during the last transaction, with any state that a disk may leave, and a record
 // of any age: no acknowledged change is lost, and no loss is reported.
 TEST_F(DamageTest, ATornTransactionIsNoDamage) {
-  const unsigned seed = std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("seed ", seed));
   std::mt19937 random(seed);
   OpenFresh();

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/journal_contract.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::server {
 namespace {
@@ -46,9 +47,7 @@ TEST_P(JournalGenerationsTest, TheOneBeforeTheNewestIsKept) {
 
 // Entries and snapshots of random sizes against a model that keeps all and counts what is kept.
 TEST_P(JournalGenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   const auto text = [&] { return std::string(1 + random() % 50, 'a' + char(random() % 26)); };

@@ -13,6 +13,7 @@
 #include "tests/server/journal/postgres_proxy.h"
 #include "tests/server/journal/told.h"
 #include "tests/support/deadline.h"
+#include "tests/support/seed.h"
 
 namespace dynmesh::server {
 namespace {
@@ -281,9 +282,7 @@ TEST_F(PostgresOutcomeTest, ConnectionsThatAreCutAtRandomLoseAndDoubleNothing) {
   options_.resolve_for = absl::Minutes(1);
   journal_ = Open(options_, proxy_.folder());
   ASSERT_TRUE(journal_->Claim(key_).ok());
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   std::mt19937_64 random(seed);
   std::uint64_t last = 1;

@@ -2,12 +2,12 @@
 
 #include <bit>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <random>
 
 #include "core/io/common/file_writer.h"
 #include "gtest/gtest.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -20,8 +20,7 @@ void ExpectReadsBack(double value) {
 }
 
 TEST(Numbers, EveryFiniteDoubleReadsBackBitForBit) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   int finite = 0;
   for (int i = 0; i < 300'000; ++i) {

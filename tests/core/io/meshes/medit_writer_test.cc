@@ -3,7 +3,6 @@
 
 #include <bit>
 #include <cstdint>
-#include <iostream>
 #include <limits>
 #include <map>
 #include <random>
@@ -14,6 +13,7 @@
 #include "gtest/gtest.h"
 #include "tests/core/io/meshes/any_mesh.h"
 #include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -206,8 +206,7 @@ TEST(Medit, SaysWhichRegionATriangleIsIn) {
 }
 
 TEST(Medit, KeepsEveryBitAndEveryOwnerOfAnyMesh) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   const TempFolder folder;
   const IndexedMesh mesh = testing::AnyMesh(seed, 2000);
   ASSERT_TRUE(WriteMedit(mesh, folder.Path("m.mesh")).ok());

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <iostream>
 #include <limits>
 #include <random>
 #include <string>
 
 #include "gtest/gtest.h"
 #include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -146,8 +146,7 @@ TEST(MeshFiles, WrittenAgainAreTheSameBytes) {
 }
 
 TEST(MeshFiles, KeepEveryBitOfCoordinatesAndOwners) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   const TempFolder folder;
   IndexedMesh mesh;

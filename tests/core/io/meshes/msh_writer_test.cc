@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <iostream>
 #include <limits>
 #include <map>
 #include <random>
@@ -19,6 +18,7 @@
 #include "tests/core/io/meshes/any_mesh.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
 #include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -344,8 +344,7 @@ TEST(Msh, OfATriangleIsThisFile) {
 }
 
 TEST(Msh, KeepsEveryBitAndEveryOwnerOfAnyMesh) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   const TempFolder folder;
   const IndexedMesh mesh = testing::AnyMesh(seed, 2000);
   ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());

@@ -1,12 +1,12 @@
 #include "core/io/script/edit_script.h"
 
 #include <bit>
-#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -381,8 +381,7 @@ bool SameBits(double a, double b) {
 }
 
 TEST(EditScript, FormattedReadsBackBitForBit) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   const auto coordinate = [&] {
     if (random() % 8 == 0) return random() % 2 == 0 ? -0.0 : std::bit_cast<double>(random() >> 12);

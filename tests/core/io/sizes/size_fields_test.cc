@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
@@ -58,8 +58,7 @@ std::string Npy(const std::string& shape, const std::vector<double>& values) {
 }
 
 TEST(SizeRaster, GivesEachCellAtMostItsLength) {
-  const std::uint64_t seed = std::random_device{}();
-  std::cout << "seed " << seed << "\n";
+  const std::uint64_t seed = test::NewSeed();
   std::mt19937_64 random(seed);
   for (const int dimension : {2, 3}) {
     std::vector<double> values;
