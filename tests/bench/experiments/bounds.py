@@ -18,7 +18,9 @@ that carries m_f vertices costs O(m_f lg(L/s)), however many features there are.
 the number of vertices on the feature, L the domain's side, s the shortest edge; of a quadtree, the number of
 leaves that meet it, the root's side, the finest leaf's. A feature without users is removed and added again;
 means of 200 such edits. `bound` is operations over m_f lg(L/s), the mean and the worst edit; `changed` is
-vertices (leaves) that come and go. The bound holds where the columns `bound` are level in n.
+vertices (leaves) that come and go. The bound holds where the columns `bound` are level in n. Not among these
+scenes, and above the bound: target lengths along some walls, points on a border of large cells of the vertex
+tree, points with many nearest neighbours (docs/engine.md, "Some edits cost more than the bound").
 """
 
 COSTS = """\
