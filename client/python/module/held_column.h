@@ -1,9 +1,9 @@
 // Columns of a mesh as arrays that never change, for readers beside an edit.
 //
-// A reader takes a copy of a column as it is now and keeps it as long as it likes. Edits change the
-// column, never a copy that is held. A copy that no reader holds is brought up to date by the rows
-// that have changed since, so a program that takes a column after each edit pays for the rows of
-// the edit, not for the mesh. At most three copies of a column are kept for that.
+// A reader takes a copy of a column as it is now and holds it for as long as it needs it. Edits
+// change the column, never a copy that is held. A copy that is not held is brought up to date by
+// the rows that have changed since. So taking a column after each edit costs the rows of the edit,
+// not the mesh. At most three copies of a column are kept for that.
 //
 // ColumnCopies and RowLog belong to the mesh and are used under its lock. A HeldColumn may be
 // dropped on any thread, with or without the lock.

@@ -94,6 +94,9 @@ class SharedMesh::Editing {
   Editing& operator=(const Editing&) = delete;
 
   absl::Status status() const {
+    if (mesh_.mesher_ == nullptr) {
+      return absl::FailedPreconditionError("a replica of a server's mesh has no mesher here");
+    }
     if (!is_nested_) return absl::OkStatus();
     return absl::FailedPreconditionError(
         "this was called from the progress callback of an edit of the same mesh, which is between "

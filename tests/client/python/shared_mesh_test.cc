@@ -241,6 +241,7 @@ TEST(HeldColumns, OfAReplicaFollowExtendedPatches) {
     if (step % 2 == 0) ExpectColumnsAreTheReplicas(replica);
   }
   EXPECT_EQ(replica.numbers().hash, mesh->numbers().hash);
+  EXPECT_EQ(replica.Edit({}, {}).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
 TEST(SharedMesh, ACallFromTheProgressOfAnEditReadsTheMeshBeforeItAndIsRefusedTheMesher) {
