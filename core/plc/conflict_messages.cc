@@ -114,6 +114,19 @@ std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
       kLeastFacetAngle);
 }
 
+// A polygon's edge cannot be replaced, but the polygon can.
+template <int D>
+std::string CureOfPointOnSegment(const AnyFeature<D>& a, const AnyFeature<D>& b) {
+  const bool is_first = std::holds_alternative<SegmentFeature<D>>(a);
+  const auto& segment = std::get<SegmentFeature<D>>(is_first ? a : b);
+  if (!segment.IsOfPolygon()) {
+    return "segment; replace the segment by two that end at the point";
+  }
+  return absl::StrCat("edge; give polygon ", segment.id, " a ring with point ",
+                      IdOf<D>(is_first ? b : a), " as a corner between points ", segment.p_id,
+                      " and ", segment.q_id);
+}
+
 struct Verdict {
   const char* reason;
   std::string message;
@@ -138,10 +151,9 @@ Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& 
               absl::StrCat(pair, " overlap; end them where they part and add what they share as a ",
                            "segment of its own, once")};
     case Conflict::kPointOnSegment:
-      return {
-          reason::kPointOnSegment,
-          absl::StrCat(pair, " touch: the point lies in the inside of the segment; replace the ",
-                       "segment by two that end at the point")};
+      return {reason::kPointOnSegment,
+              absl::StrCat(pair, " touch: the point lies in the inside of the ",
+                           CureOfPointOnSegment<D>(a, b))};
     case Conflict::kSegmentsCross:
       return {reason::kSegmentsCross,
               absl::StrCat(pair, " cross", at, "; add a point there and split both, or remove ",

@@ -46,6 +46,11 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
       return refuse({}, absl::StrCat("has a ring of ", ring.size(),
                                      " points; a ring has at least 3, the first not repeated"));
     }
+    if (ring.front() == ring.back()) {
+      return refuse({ring.front()},
+                    absl::StrCat("has a ring that begins and ends with point ", ring.front(),
+                                 "; a ring closes itself: leave its last point out"));
+    }
     std::vector<FeatureId> points = ring;
     std::sort(points.begin(), points.end());
     const auto twice = std::adjacent_find(points.begin(), points.end());

@@ -156,6 +156,14 @@ TEST_F(RemoteCommandsTest, ExportAndWatchTakePolygonsOnly) {
   const int inside = count({"--region", "7,9"});
   EXPECT_GT(inside, 1);
   EXPECT_LT(inside, count({}));
+  EXPECT_EQ(count({"--region", "any"}), inside);
+  ASSERT_EQ(Remote({"create", "bare"}).code, kExitDone);
+  const Ran bare = Remote({"export", "bare", "-o", Path("bare.node"), "--region", "any"});
+  EXPECT_EQ(bare.code, kExitBadInput);
+  EXPECT_NE(bare.err.find("the mesh has no polygons"), std::string::npos) << bare.err;
+  // The help offers what there is.
+  EXPECT_NE(Remote({"export", "--help"}).out.find("ID[,ID...]|any"), std::string::npos);
+  EXPECT_EQ(Remote({"watch", "--help"}).out.find("|any"), std::string::npos);
   const Ran none = Remote({"export", "plate", "-o", Path("none.node"), "--region", "7"});
   EXPECT_EQ(none.code, kExitBadInput);
   EXPECT_NE(none.err.find("lies in polygon 7; the mesh has polygon(s) 9"), std::string::npos)

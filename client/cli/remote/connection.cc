@@ -77,7 +77,8 @@ absl::StatusOr<mesh_data::RegionChoice> ParseServerRegionFlag(const std::string&
   absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(text);
   if (!choice.ok() || !choice->in_any) return choice;
   return absl::InvalidArgumentError(
-      "--region: name the polygons by their ids; a server does not take any");
+      "--region: name the polygons by their ids, as 7,9; only `dynmesh mesh` and `dynmesh export` "
+      "take any");
 }
 
 absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags) {

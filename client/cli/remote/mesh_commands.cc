@@ -78,13 +78,30 @@ int RunDelete(const NamedCommand& command) {
                              : Print(command.id + " deleted\n");
 }
 
+// The mesh, or what --region chooses of it: by ids at the server, any polygon here, since the
+// server takes ids only. An error, with a list of what there is, if nothing is chosen.
+absl::StatusOr<Mesh> GetPart(client::MeshClient& client, const NamedCommand& command,
+                             const mesh_data::RegionChoice& region, const MeshOptions& options) {
+  absl::StatusOr<Mesh> part = client.GetSnapshot(command.id, region.in);
+  if (!part.ok() || command.region.empty()) return part;
+  if (!region.in_any && part->simplex_count() != 0) return part;
+  // Only the whole mesh says what there is.
+  const absl::StatusOr<Mesh> whole = region.in_any ? part : client.GetSnapshot(command.id);
+  if (!whole.ok()) return whole;
+  Input nothing_known;
+  nothing_known.options = options;
+  const auto selection = Selection::Parse({false, command.region, ""}, nothing_known, false);
+  if (!selection.ok()) return selection.status();
+  return selection->Of(*whole);
+}
+
 int RunExport(const NamedCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   MeshLabels labels;
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
     return ReportError(status);
   }
-  const auto region = ParseServerRegionFlag(command.region);
+  const auto region = ParseRegionFlag(command.region);
   if (!region.ok()) return ReportError(region.status());
   const auto client = Connect(command.server);
   if (!client.ok()) return ReportError(client.status());
@@ -93,18 +110,8 @@ int RunExport(const NamedCommand& command) {
   if (auto status = CheckOutputsOf(info->options, command.output); !status.ok()) {
     return ReportError(status);
   }
-  const auto mesh = (*client)->GetSnapshot(command.id, region->in);
+  const auto mesh = GetPart(**client, command, *region, info->options);
   if (!mesh.ok()) return ReportError(mesh.status());
-  if (!command.region.empty() && mesh->simplex_count() == 0) {
-    // Only the whole mesh says what there is.
-    const auto whole = (*client)->GetSnapshot(command.id);
-    if (!whole.ok()) return ReportError(whole.status());
-    Input nothing_known;
-    nothing_known.options = info->options;
-    const auto selection = Selection::Parse({false, command.region, ""}, nothing_known, false);
-    const auto part = selection.ok() ? selection->Of(*whole) : selection.status();
-    if (!part.ok()) return ReportError(part.status());
-  }
   WarnOfUnknownRegions(*region, *mesh);
   labels.features = std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh->labels));
   labels.is_part = !command.region.empty();

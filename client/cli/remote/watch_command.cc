@@ -149,6 +149,11 @@ void RegisterWatchCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--progress", command->progress,
                 "Tell, too, that the server is alive while nothing changes");
   AddRegionFlag(*sub, command->region);
+  sub->get_option("--region")
+      ->description(
+          "Only what lies in at least one of these polygons; in 3D in closed surfaces, each by the "
+          "id that `dynmesh stats` has for it")
+      ->type_name("ID[,ID...]");
   AddOutputFlags(*sub, command->output);
   AddMarkersFlag(*sub, command->markers);
   AddServerFlags(*sub, command->server);

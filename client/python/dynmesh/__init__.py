@@ -15,7 +15,8 @@ from __future__ import annotations
 
 from dynmesh import _core
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
-from dynmesh._mesh import CompactMesh, Fields, Mesh
+from dynmesh._fields import Fields
+from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
 from dynmesh._types import Label

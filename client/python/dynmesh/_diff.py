@@ -1,6 +1,8 @@
 """The change of a mesh by an edit, and the transfer of fields across it."""
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union
@@ -8,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 import numpy as np
 
 from dynmesh import _core
+from dynmesh._fields import check_kind, check_rows, check_values, is_any_dtype
 from dynmesh._types import Array, Label
-from dynmesh.errors import StaleDiff
+from dynmesh.errors import FailedPrecondition, StaleDiff
 
 if TYPE_CHECKING:
     from dynmesh._mesh import Mesh
@@ -68,7 +71,9 @@ class RegionFlow:
 class Diff:
     """The change from one revision of a mesh to a later one.
 
-    Transfer fields while the mesh is at `to_revision`: before the next edit is applied.
+    Transfer fields while the mesh is at `to_revision`: before the next edit is applied. If other
+    threads edit the mesh, hold `Mesh.locked` from the edit to the transfers; otherwise these may
+    raise `StaleDiff`. Any thread may transfer, several fields at a time.
     """
 
     def __init__(self, mesh: Mesh, parts: list[Any], old_slots: tuple[int, int]) -> None:
@@ -118,15 +123,25 @@ class Diff:
         return any(part.replayed for part in self._parts)
 
     def _check(self) -> None:
-        if self._mesh._current is not self:
-            raise StaleDiff(f"the mesh has left revision {self.to_revision}: carry fields before "
-                            "the next edit is applied")
+        if self._mesh._current is not self or self._mesh.revision != self.to_revision:
+            raise self._stale()
 
-    def _core_transfer(self) -> Any:
+    def _stale(self) -> StaleDiff:
+        return StaleDiff(f"the mesh has left revision {self.to_revision}: carry fields before the "
+                         "next edit is applied, beside other threads under `with mesh.locked():`")
+
+    @contextmanager
+    def _core_transfer(self) -> Iterator[Any]:
+        """The transfer of the extension module. Another thread may edit the mesh meanwhile."""
         self._check()
-        if self._transfer is None:
-            self._transfer = _core.Transfer(self._mesh._replica)
-        return self._transfer
+        try:
+            if self._transfer is None:
+                self._transfer = _core.Transfer(self._mesh._replica, self.from_revision,
+                                                self.to_revision)
+            yield self._transfer
+        except FailedPrecondition:
+            self._check()  # the replica has left the revision
+            raise
 
     def transfer(
         self,
@@ -141,9 +156,10 @@ class Diff:
         """The field on the new mesh.
 
         Args:
-            u: the field on the old mesh, one row per slot (further rows are not changed). P1:
-                vertex slots; else cell slots. Rows are numbers or have a further axis of
-                components; DG1 has an axis of corners before that, in the order of `Mesh.cells`.
+            u: the field on the old mesh, exactly one row per slot of the old mesh (or of the new
+                one: its further rows are not read). P1: vertex slots; else cell slots. Rows are
+                finite numbers or have a further axis of components; DG1 has an axis of corners
+                before that, in the order of `Mesh.cells`.
             kind: "P1": values at vertices. "P0": means of cells. "DG1": a linear function in each
                 cell. "overlap": each new cell gets the row, of any dtype, of the old cell with the
                 largest intersection. A function: called with `u` and `Pieces`, returns the rows of
@@ -152,39 +168,43 @@ class Diff:
                 of the patch then keep the sum of their integrals, not each its own.
             order: of P0: 1, or 2 with limited gradients.
             rings: of P1: number of rings of vertices around the patch that may change.
-            inplace: writes the result to `u`, which needs a row for every new slot.
+            inplace: writes the result to `u`, a C-contiguous float64 array with a row for every
+                new slot. Here it may have more rows, which are not changed: room for later slots.
 
         Returns:
             A new array, or `u`. Its rows of free slots are undefined.
 
         Raises:
             StaleDiff: the mesh has a later revision.
-            ValueError, TypeError: wrong shape or dtype, or a value that is not finite. Nothing
-                changes.
+            ValueError, TypeError: wrong kind, length, shape or dtype, or a value in the patch that
+                is not finite. Nothing changes.
         """
         self._check()
-        if not callable(kind) and kind != "overlap":
-            self._name_of(kind, order)
-        at_vertices = kind == "P1"
-        u = np.asarray(u)
-        values = self._prepare(u, at_vertices, inplace, kind)
-        if callable(kind) or kind == "overlap":
+        self._check_options(kind, order)
+        values = self._prepare("u", np.asarray(u), inplace, kind)
+        self._carry(values, kind, bounded=bounded, order=order, rings=rings)
+        return values
+
+    def _carry(self, values: Array, kind: Kind, *, bounded: bool = False, order: int = 2,
+               rings: int = 1) -> None:
+        """Transfers in place an array of the right shape, with a row for every new slot."""
+        self._check_options(kind, order)
+        if is_any_dtype(kind):
             rows = self._by_cells(values, kind)
             if len(rows) != len(self.patch.added_cells):
                 raise ValueError(f"the function gave {len(rows)} rows for "
                                  f"{len(self.patch.added_cells)} added cells")
             values[self.patch.added_cells] = rows
             self.flows = []
-            return values
+            return
         width, components = self._shape_of(values, kind)
-        slots = self._new_slots[0 if at_vertices else 1]
+        slots = self._new_slots[0 if kind == "P1" else 1]
         if not self.patch.added_cells.size and not self.patch.relabelled_cells.size:
             self.flows = []
-            return values
-        self._note(self._core_transfer().carry(values, slots * width * components,
-                                               self._name_of(kind, order), components, rings,
-                                               bounded))
-        return values
+            return
+        with self._core_transfer() as transfer:
+            self._note(transfer.carry(values, slots * width * components,
+                                      self._name_of(kind, order), components, rings, bounded))
 
     def transfer_momentum(
         self,
@@ -212,107 +232,110 @@ class Diff:
             StaleDiff, ValueError: as in `transfer`.
         """
         self._check()
-        at_vertices = kind == "P1"
-        rho = self._prepare(np.asarray(density), at_vertices, False, kind)
-        v = self._prepare(np.asarray(velocity), at_vertices, False, kind)
+        self._check_options(kind, order)
+        if is_any_dtype(kind):
+            raise ValueError(f"kind: momentum is carried as 'P1', 'P0' or 'DG1', not as {kind!r}")
+        rho = self._prepare("density", np.asarray(density), False, kind)
+        v = self._prepare("velocity", np.asarray(velocity), False, kind)
         width, components = self._shape_of(v, kind)
         rho_width, rho_components = self._shape_of(rho, kind)
         if rho_components != 1 or rho_width != width:
-            raise ValueError("the density has one number for each place of the velocity")
-        slots = self._new_slots[0 if at_vertices else 1]
+            raise ValueError("density: it has one number for each place of the velocity, of the "
+                             f"shape {v.shape}, and got {rho.shape}")
+        slots = self._new_slots[0 if kind == "P1" else 1]
         if self.patch.added_cells.size:
-            self._note(self._core_transfer().carry_momentum(
-                rho, slots * width, v, slots * width * components, self._name_of(kind, order),
-                components, rings, bounded))
+            with self._core_transfer() as transfer:
+                self._note(transfer.carry_momentum(
+                    rho, slots * width, v, slots * width * components, self._name_of(kind, order),
+                    components, rings, bounded))
         return rho, v
 
     def pieces(self) -> Pieces:
         """The intersections of old and new cells. O(patch)."""
-        return Pieces(*self._core_transfer().pieces())
+        with self._core_transfer() as transfer:
+            return Pieces(*transfer.pieces())
 
     @property
     def donors(self) -> Array:
         """For each added cell of the patch the removed cell with the largest intersection."""
-        return self._core_transfer().donors()
+        with self._core_transfer() as transfer:
+            donors: Array = transfer.donors()
+        return donors
 
     @property
     def old_to_new(self) -> Array:
         """For each old vertex slot the new one, which is the same; -1 if it was removed."""
-        return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
-                    self._old_slots[0])
+        return _map(self._kept_vertices(), self._old_slots[0])
 
     @property
     def new_to_old(self) -> Array:
         """For each new vertex slot the old one, which is the same; -1 if it was added."""
-        return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
-                    self._new_slots[0])
+        return _map(self._kept_vertices(), self._new_slots[0])
 
     @property
     def cells_old_to_new(self) -> Array:
         """`old_to_new` for cells."""
-        return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._old_slots[1])
+        return _map(self._kept_cells(), self._old_slots[1])
 
     @property
     def cells_new_to_old(self) -> Array:
         """`new_to_old` for cells."""
-        return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._new_slots[1])
+        return _map(self._kept_cells(), self._new_slots[1])
 
     @property
     def kept_cells(self) -> Array:
         """Slots of the cells that both meshes have. O(mesh)."""
-        kept = self._kept(self._mesh.live_cells, self.patch.added_cells)
-        return np.flatnonzero(kept).astype(np.int32)
+        return np.flatnonzero(self._kept_cells()).astype(np.int32)
 
-    def _kept(self, live: Array, added: Array) -> Array:
+    def _kept_vertices(self) -> Array:
+        kept = self._mesh.live_vertices
+        self._check()  # after it was read: it is of this revision then
+        kept[self.patch.added_vertices] = False
+        return kept
+
+    def _kept_cells(self) -> Array:
+        kept = self._mesh.live_cells
         self._check()
-        live[added] = False
-        return live
+        kept[self.patch.added_cells] = False
+        return kept
 
-    def _prepare(self, u: Array, at_vertices: bool, inplace: bool, kind: Kind) -> Array:
-        """A copy with a row for each new slot, or `u` itself."""
-        which = 0 if at_vertices else 1
-        what = "vertices" if at_vertices else "cells"
-        old, new = self._old_slots[which], self._new_slots[which]
-        if u.ndim == 0:
-            raise ValueError("a field has a row for each slot")
-        any_dtype = callable(kind) or kind == "overlap"
-        if not any_dtype and u.dtype.kind not in "fiu":
-            raise TypeError(f"a field of {u.dtype} cannot be carried: convert it to float64")
+    def _prepare(self, what: str, u: Array, inplace: bool, kind: Kind) -> Array:
+        """A copy with a row for each new slot, or `u` itself. Raises if `u` is not of the kind."""
+        which = 0 if kind == "P1" else 1
         if inplace:
-            if len(u) < new:
-                raise ValueError(f"the field has {len(u)} rows, the mesh {new} slots of {what}: "
-                                 "to be carried in place it needs a row for each")
-            if not any_dtype and (u.dtype != np.float64 or not u.flags.c_contiguous):
-                raise TypeError("a field that is carried in place is a C-contiguous float64 array")
+            check_rows(what, u, kind, self._new_slots, self.to_revision, at_least=True)
+            check_values(what, u, kind, self._mesh.dimension)
+            if not is_any_dtype(kind) and (u.dtype != np.float64 or not u.flags.c_contiguous):
+                raise TypeError(f"{what}: a field that is carried in place is a C-contiguous "
+                                f"float64 array, and got {u.dtype}, "
+                                f"{'' if u.flags.c_contiguous else 'not '}C-contiguous; without "
+                                "inplace=True it is converted")
             if not u.flags.writeable:
-                raise ValueError("the field is read-only")
+                raise ValueError(f"{what}: the field is read-only: carry a copy of it, or without "
+                                 "inplace=True")
             return u
-        if len(u) < old:
-            raise ValueError(f"the field has {len(u)} rows, the old mesh {old} slots of {what}: "
-                             "a field has a row for each slot")
-        values = np.zeros((max(new, len(u)), *u.shape[1:]), u.dtype if any_dtype else np.float64)
+        check_rows(what, u, kind, self._old_slots, self.from_revision, later=self._new_slots)
+        check_values(what, u, kind, self._mesh.dimension)
+        values = np.zeros((max(self._new_slots[which], len(u)), *u.shape[1:]),
+                          u.dtype if is_any_dtype(kind) else np.float64)
         values[:len(u)] = u
         return values
 
     def _shape_of(self, values: Array, kind: Kind) -> tuple[int, int]:
-        axes = list(values.shape[1:])
+        axes = values.shape[1:]
         width = 1
         if kind == "DG1":
-            width = self._mesh.dimension + 1
-            if not axes or axes.pop(0) != width:
-                raise ValueError(f"a DG1 field has {width} values for each cell: its shape begins "
-                                 f"with (slots, {width})")
-        if len(axes) > 1:
-            raise ValueError("a field has at most one axis of components")
+            width, axes = axes[0], axes[1:]
         return width, (axes[0] if axes else 1)
 
     @staticmethod
-    def _name_of(kind: Kind, order: int) -> str:
-        if kind not in ("P0", "P1", "DG1"):
-            raise ValueError(f"there is no kind {kind!r}; there are P0, P1, DG1, overlap, or a "
-                             "function")
+    def _check_options(kind: Kind, order: int) -> None:
+        check_kind(kind)
         if order not in (1, 2):
-            raise ValueError("the order is 1 or 2")
+            raise ValueError(f"order: the order is 1 or 2, and got {order!r}")
+
+    @staticmethod
+    def _name_of(kind: Kind, order: int) -> str:
         return "P0-linear" if kind == "P0" and order == 2 else str(kind)
 
     def _by_cells(self, values: Array, kind: Kind) -> Array:

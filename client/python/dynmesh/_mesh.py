@@ -2,7 +2,9 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Optional, Protocol
 
@@ -11,7 +13,8 @@ import numpy as np
 from dynmesh import _batch, _core
 from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
-from dynmesh.errors import FailedPrecondition, InvalidArgument
+from dynmesh._fields import Fields
+from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
     import meshio
@@ -20,9 +23,10 @@ Progress = Callable[[str, int, int], None]
 
 
 class Backend(Protocol):
-    """The host of a mesh: this process, or a server."""
+    """The host of a mesh: this process, or a server. Called with the mesh's lock of edits held."""
 
     name: str
+    is_local: bool  #: Edits advance the mesh's replica: their diffs are not to be applied to it.
 
     def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool,
               progress: Optional[Progress], request_id: Optional[str],
@@ -33,13 +37,18 @@ class Backend(Protocol):
 
     def revert(self, mesh: Mesh, revision: int) -> list[Any]: ...
 
-    def features(self, revision: Optional[int]) -> list[dict[str, Any]]: ...
+    def features(self, mesh: Mesh, revision: Optional[int]) -> list[dict[str, Any]]: ...
 
-    def locate(self, points: Array) -> tuple[int, Array]: ...
+    def locate(self, mesh: Mesh, points: Array) -> Array: ...
 
-    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]: ...
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[Diff]:
+        """Applies batches one by one, without the lock between them."""
 
-    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]: ...
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[Any]:
+        """Yields what happened, for `continue_with`; without the lock."""
+
+    def continue_with(self, mesh: Mesh, event: Any) -> list[Any]:
+        """The diffs from the mesh's revision to that of `event`; none if it is there already."""
 
     def sync(self, mesh: Mesh) -> list[Any]: ...
 
@@ -57,77 +66,20 @@ class CompactMesh:
     cell_numbers: Array  #: The cell number of each slot; -1 if the slot is free.
 
 
-class Fields(Mapping[str, Array]):
-    """Fields that every edit of their mesh transfers to the new mesh, in place.
-
-    After `mesh.fields.add("T", values)`, `mesh.fields["T"]` is the field on the present mesh, an
-    array with one row per slot. An edit that needs more rows replaces the array.
-    """
-
-    def __init__(self) -> None:
-        self._arrays: dict[str, Array] = {}
-        self._options: dict[str, dict[str, Any]] = {}
-        self._rows: dict[str, int] = {}
-
-    def add(self, name: str, values: Array, kind: Any = "P1", **options: Any) -> Array:
-        """Adds a copy of `values` under `name`, transferred from now on; returns it.
-
-        `kind` and `options` are as the arguments of `Diff.transfer`.
-        """
-        values = np.asarray(values)
-        if kind in ("P0", "P1", "DG1"):
-            values = values.astype(np.float64)
-        self._arrays[name] = np.array(values, order="C")
-        self._options[name] = {"kind": kind, **options}
-        self._rows[name] = len(values)
-        return self[name]
-
-    def drop(self, name: str) -> None:
-        """Removes the field `name`."""
-        del self._arrays[name], self._options[name], self._rows[name]
-
-    def __getitem__(self, name: str) -> Array:
-        return self._arrays[name][:self._rows[name]]
-
-    def __setitem__(self, name: str, values: Array) -> None:
-        self[name][...] = values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._arrays)
-
-    def __len__(self) -> int:
-        return len(self._arrays)
-
-    def _carry(self, diff: Diff) -> None:
-        """Transfers all fields. Drops those that cannot be transferred, then raises their names."""
-        trouble: dict[str, Exception] = {}
-        for name, array in self._arrays.items():
-            options = self._options[name]
-            rows = diff._new_slots[0 if options["kind"] == "P1" else 1]
-            if len(array) < rows:
-                grown = np.zeros((max(rows, 2 * len(array)), *array.shape[1:]), array.dtype)
-                grown[:len(array)] = array
-                self._arrays[name] = array = grown
-            try:
-                diff.transfer(array, inplace=True, **options)
-                self._rows[name] = rows
-            except (ValueError, TypeError) as error:
-                trouble[name] = error
-        for name in trouble:
-            self.drop(name)
-        if trouble:
-            text = "; ".join(f"{name}: {error}" for name, error in trouble.items())
-            raise InvalidArgument(f"the mesh is at revision {diff.to_revision}; fields that could "
-                                  f"not be carried there were dropped: {text}")
-
-
 class Mesh:
     """A mesh as numpy arrays with stable slots. Made by `Server.mesh` or `dynmesh.open`.
 
-    Arrays are read-only views of the present mesh: get them again after an edit. Vertices:
-    `points`, `ids` (0: the slot is free), `owners` (the feature that a vertex lies on),
-    `containing_dimensions`. Cells: `cells` (slots of corners, -1: free), `neighbours` (the cell
-    opposite to each corner, -1 at the border), `regions`.
+    Arrays are read-only and never change: get them again after an edit. That takes time for the
+    rows that have changed, the first time for all. Vertices: `points`, `ids` (0: the slot is free),
+    `owners` (the feature that a vertex lies on), `containing_dimensions`. Cells: `cells` (slots of
+    corners, -1: free), `neighbours` (the cell opposite to each corner, -1 at the border),
+    `regions`.
+
+    Thread-safe. Edits of several threads are applied one after another. A reader sees the revision
+    before an edit or that after it; `locate` and `features` wait for an edit that is under way. What
+    has to be of one revision is read under `with mesh.locked():`, which excludes edits of other
+    threads. From a `progress` callback of an edit the mesh before the edit can be read; what needs
+    the mesher (edits, `locate`, `features`) raises `FailedPrecondition` there.
     """
 
     def __init__(self, backend: Backend, replica: Any, options: dict[str, Any]) -> None:
@@ -135,12 +87,28 @@ class Mesh:
         self._replica = replica
         self._options = options
         self._current: Optional[Diff] = None
+        # Of edits, taken first; of what follows from one: `_current` and fields. Threads wait for
+        # both without the GIL.
+        self._edits = threading.RLock()
+        self._lock = threading.RLock()
+        self._is_editing = False
         #: Fields that every edit transfers to the new mesh.
-        self.fields: Fields = Fields()
+        self.fields: Fields = Fields(self, self._lock)
 
     def __repr__(self) -> str:
         return (f"<Mesh of {self.dimension} dimensions at revision {self.revision}: "
                 f"{self.vertex_count} vertices, {self.cell_count} cells>")
+
+    @contextmanager
+    def locked(self) -> Iterator[Mesh]:
+        """For a `with` block in which only this thread edits the mesh; yields the mesh.
+
+        Waits for an edit that is under way. Arrays, fields and everything else read in the block
+        are of one revision, as long as the block does not edit the mesh. Blocks may be nested.
+        Other threads can read meanwhile.
+        """
+        with self._edits:
+            yield self
 
     @property
     def name(self) -> str:
@@ -300,7 +268,7 @@ class Mesh:
             clients of a server's mesh.
         """
         batch = _batch.make(self.dimension, edits)
-        return self._advance(self._backend.apply(
+        return self._edit(lambda: self._backend.apply(
             self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
             expected_revision=expected_revision))
 
@@ -313,8 +281,8 @@ class Mesh:
         for name in edits:
             if not name.startswith("add_") and name != "set_labels":
                 raise TypeError(f"a load adds features: there is no {name}")
-        return self._advance(
-            self._backend.load(self, _batch.make(self.dimension, edits), progress))
+        batch = _batch.make(self.dimension, edits)
+        return self._edit(lambda: self._backend.load(self, batch, progress))
 
     def stream(self, batches: Iterable[Mapping[str, Any]], window: int = 64) -> Iterator[Diff]:
         """Applies many batches, each a dict of edits as in `apply`; yields their diffs in order.
@@ -323,12 +291,11 @@ class Mesh:
         diff. A refused batch raises; the earlier batches stay applied.
         """
         made = (_batch.make(self.dimension, batch) for batch in batches)
-        for parts in self._backend.stream(self, made, window):
-            yield self._advance(parts)
+        yield from self._backend.stream(self, made, window)
 
     def revert(self, revision: int) -> Diff:
         """Makes a new revision with the features of an earlier `revision`. Needs a server."""
-        return self._advance(self._backend.revert(self, revision))
+        return self._edit(lambda: self._backend.revert(self, revision))
 
     def follow(self, since: Optional[int] = None, timeout: Optional[float] = None) -> Iterator[Diff]:
         """Yields the diff of each new revision; the mesh is at that revision then.
@@ -340,24 +307,28 @@ class Mesh:
         if since is not None and since != self.revision:
             raise FailedPrecondition(f"the mesh here is at revision {self.revision}: it can be "
                                      "followed from there only")
-        for parts in self._backend.follow(self, timeout):
-            yield self._advance(parts)
+        for event in self._backend.follow(self, timeout):
+            diff = self._follow_to(event)
+            if diff is not None:
+                yield diff
 
     async def follow_async(self, timeout: Optional[float] = None) -> AsyncIterator[Diff]:
         """`follow` with its `timeout` for asyncio; waits in a thread."""
         events = self._backend.follow(self, timeout)
         try:
             while True:
-                parts = await asyncio.to_thread(lambda: next(events, None))
-                if parts is None:
+                event = await asyncio.to_thread(lambda: next(events, None))
+                if event is None:
                     return
-                yield self._advance(parts)
+                diff = self._follow_to(event)
+                if diff is not None:
+                    yield diff
         finally:
             events.close()  # type: ignore[attr-defined]
 
     def sync(self) -> Diff:
         """Advances to the newest revision in one diff."""
-        return self._advance(self._backend.sync(self))
+        return self._edit(lambda: self._backend.sync(self))
 
     def features(self, revision: Optional[int] = None) -> list[dict[str, Any]]:
         """The present features, or those of an earlier `revision` that the server keeps.
@@ -365,20 +336,19 @@ class Mesh:
         A dict for each: `id`, `kind` ("point", "segment", "polygon", "size") and, by kind, `at`,
         `ends`, `rings`, or the members of a size; with a label, `marker` and `name`.
         """
-        return self._backend.features(revision)
+        return self._backend.features(self, revision)
 
     def locate(self, points: Any) -> Array:
         """The slot of a cell around each of n `points` (n x dimension); -1: outside."""
         places = np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
-        if places.shape[1] != self.dimension:
-            raise ValueError(f"places have {self.dimension} coordinates")
+        if places.ndim != 2 or places.shape[1] != self.dimension:
+            raise ValueError(f"points: places have {self.dimension} coordinates, one row for each "
+                             f"place, and got an array of shape {np.shape(points)}")
         if not np.isfinite(places).all():
-            raise ValueError("places have finite coordinates")
-        revision, ids = self._backend.locate(places)
-        if revision != self.revision:
-            raise FailedPrecondition(f"the server's mesh is at revision {revision}, the one here at "
-                                     f"{self.revision}: call sync() first")
-        return self._replica.find_cells(ids)
+            raise ValueError("points: places have finite coordinates, and row "
+                             f"{np.flatnonzero(~np.isfinite(places).all(axis=1))[0]} has not")
+        with self._edits:
+            return self._backend.locate(self, places)
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
@@ -395,22 +365,57 @@ class Mesh:
         if self.dimension == 2:
             points = np.column_stack([points, np.zeros(len(points))])
         name = "triangle" if self.dimension == 2 else "tetra"
-        cells = {"region": [compact.regions]}
-        for key, values in (cell_data or {}).items():
-            cells[key] = [np.asarray(values)[compact.cell_slots]]
-        return meshio.Mesh(
-            points, [(name, compact.cells)], cell_data=cells,
-            point_data={key: np.asarray(values)[compact.vertex_slots]
-                        for key, values in (point_data or {}).items()})
 
-    def _advance(self, parts: list[Any]) -> Diff:
-        slots = self.vertex_slots, self.cell_slots
+        def rows(what: str, data: Optional[Mapping[str, Array]], slots: Array, count: int,
+                 of: str) -> Iterator[tuple[str, Array]]:
+            for key, values in (data or {}).items():
+                array = np.asarray(values)
+                if array.ndim == 0 or len(array) != count:
+                    came = "a single number" if array.ndim == 0 else f"{len(array)} rows"
+                    hint = (": that is the number of rows of mesh.compact(), which may be brought to "
+                            f"slots by u[compact.{of}_slots] = values"
+                            if array.ndim and len(array) == len(slots) else "")
+                    raise ValueError(f"{what}[{key!r}]: it has a row for each {of} slot, {count} "
+                                     f"rows (mesh.{of}_slots), and got {came}{hint}")
+                yield key, array[slots]
+
+        at_points = dict(rows("point_data", point_data, compact.vertex_slots,
+                              len(compact.vertex_numbers), "vertex"))
+        of_cells = dict(rows("cell_data", cell_data, compact.cell_slots,
+                             len(compact.cell_numbers), "cell"))
+        return meshio.Mesh(
+            points, [(name, compact.cells)], point_data=at_points,
+            cell_data={key: [values] for key, values in
+                       {"region": compact.regions, **of_cells}.items()})
+
+    def _edit(self, diffs_of: Callable[[], list[Any]]) -> Diff:
+        """Makes and applies diffs, alone among all threads."""
+        with self._edits:
+            if self._is_editing:
+                raise FailedPrecondition(
+                    "this edit of the mesh was called from a callback of another edit of it, which "
+                    "has not ended: apply it when that edit has returned")
+            slots = self.vertex_slots, self.cell_slots
+            self._is_editing = True
+            try:
+                return self._advance(diffs_of(), slots)
+            finally:
+                self._is_editing = False
+
+    def _follow_to(self, event: Any) -> Optional[Diff]:
+        """Advances to what `follow` has got; None if another thread has done so."""
+        diff = self._edit(lambda: self._backend.continue_with(self, event))
+        return diff if diff._parts else None
+
+    def _advance(self, parts: list[Any], slots: tuple[int, int]) -> Diff:
         parts = [part for part in parts if part.from_revision != part.to_revision]
-        for index, part in enumerate(parts):
+        with self._lock:
             self._current = None
-            self._replica.apply(part, extends=index > 0)
-        diff = Diff(self, parts, slots)
-        self._current = diff
-        if len(self.fields) > 0:
-            self.fields._carry(diff)
+            if not self._backend.is_local:
+                for index, part in enumerate(parts):
+                    self._replica.apply(part, extends=index > 0)
+            diff = Diff(self, parts, slots)
+            self._current = diff
+            if len(self.fields) > 0 and parts:
+                self.fields._advance(diff)
         return diff

@@ -7,13 +7,16 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Iterable, Iterator
+from functools import partial
 from typing import Any, Callable, Optional, TypeVar, Union
 
 import numpy as np
 
 from dynmesh import _core
 from dynmesh._types import Array
+from dynmesh._diff import Diff
 from dynmesh._mesh import Mesh, Progress
+from dynmesh._options import check_options, named_options
 from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotFound, Unavailable, \
     VersionMismatch
 
@@ -52,7 +55,8 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
     """A mesh in this process, without a server.
 
     Args:
-        box: the box of the features: ((x, y), (x, y)), in 3D with z. Default: from 0 to 1.
+        box: the box of the features: two corners ((x, y), (x, y)), in 3D with z, the second above
+            the first in each axis. Default: from 0 to 1.
         options: `dimension`: 2 or 3. `kind`: "delaunay", or "quadtree" for a size-conforming
             quadtree (octree), which has one vertex for each leaf, at its centre, and none of the
             next four options. `rho`: the largest circumradius / shortest edge. `criterion`:
@@ -62,9 +66,10 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
             `max_vertices`: an edit that would exceed it raises `LimitExceeded`.
     """
     if box is not None:
-        options["box"] = [list(map(float, corner)) for corner in box]
-    core = _core.LocalMesh(options)
-    return Mesh(_Local(core), _core.Replica(core.snapshot()), core.options())
+        options["box"] = box
+    with named_options():
+        mesh = _core.open_mesh(check_options(options))
+    return Mesh(_Local(), mesh, mesh.options())
 
 
 def _pem(text: Pem) -> str:
@@ -116,6 +121,7 @@ class Server:
                 raise
             return self.create(name, **create)
         if create is not None:
+            create = check_options(create)
             for key, value in create.items():
                 have = info["options"][key]
                 if not np.array_equal(np.asarray(have), np.asarray(value)):
@@ -124,11 +130,11 @@ class Server:
 
     def create(self, name: str = "", **options: Any) -> Mesh:
         """Makes a mesh `name`; if empty, the server chooses it. `options` are those of `open`."""
-        if "box" in options:
-            options["box"] = [list(map(float, corner)) for corner in options["box"]]
+        options = check_options(options)
         request = uuid.uuid4().hex
         try:
-            info = self.call(lambda client: client.create(name, options, request))
+            with named_options():
+                info = self.call(lambda client: client.create(name, options, request))
         except AlreadyExists as error:
             error.args = (f"{error}: open it with Server.mesh",)
             raise
@@ -183,12 +189,14 @@ class Server:
     def _open(self, info: dict[str, Any]) -> Mesh:
         name = info["id"]
         snapshot = self.call(lambda client: client.snapshot(name))
-        return Mesh(_Remote(self, name, info["options"]["dimension"]), _core.Replica(snapshot),
+        return Mesh(_Remote(self, name, info["options"]["dimension"]), _core.Mesh(snapshot),
                     info["options"])
 
 
 class _Remote:
     """A mesh at a server."""
+
+    is_local = False
 
     def __init__(self, server: Server, name: str, dimension: int) -> None:
         self.server = server
@@ -215,18 +223,25 @@ class _Remote:
         return self._path(mesh, self.server.call(
             lambda client: client.revert(self.name, revision, request)))
 
-    def features(self, revision: Optional[int]) -> list[dict[str, Any]]:
+    def features(self, mesh: Mesh, revision: Optional[int]) -> list[dict[str, Any]]:
         return self.server.call(
             lambda client: client.features(self.name, self._dimension, revision))
 
-    def locate(self, points: Array) -> tuple[int, Array]:
-        return self.server.call(lambda client: client.locate(self.name, self._dimension, points))
+    def locate(self, mesh: Mesh, points: Array) -> Array:
+        revision, ids = self.server.call(
+            lambda client: client.locate(self.name, self._dimension, points))
+        if revision != mesh.revision:
+            raise FailedPrecondition(f"the server's mesh is at revision {revision}, the one here at "
+                                     f"{mesh.revision}: call sync() first")
+        slots: Array = mesh._replica.find_cells(ids)
+        return slots
 
-    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]:
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[Diff]:
         waiting: deque[tuple[str, Any]] = deque()
         source = iter(batches)
         session: Any = None
         exhausted = False
+        last = mesh.revision
         try:
             while True:
                 try:
@@ -253,21 +268,28 @@ class _Remote:
                     self.server.call(lambda client: client.get(self.name))  # waits for the server
                     continue
                 waiting.popleft()
-                yield self._path(mesh, diff)
+                before, last = last, diff.to_revision
+                yield mesh._edit(partial(self._path_beside, mesh, diff, before))
         finally:
             if session is not None:
                 session.cancel()
 
-    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]:
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[Any]:
         stream = self._open_stream(mesh)
         try:
             while True:
                 event = stream.next(timeout if timeout is not None else 1e9)
                 if event is None:
                     return
-                yield [self._as_diff(mesh, event)]
+                yield event
         finally:
             stream.cancel()
+
+    def continue_with(self, mesh: Mesh, event: Any) -> list[Any]:
+        if isinstance(event, _core.Snapshot):
+            return [self._as_diff(mesh, event)]
+        # An edit of another thread may have brought it, or a part of it.
+        return self._path(mesh, event) if event.to_revision > mesh.revision else []
 
     def sync(self, mesh: Mesh) -> list[Any]:
         info = self.server.call(lambda client: client.get(self.name))
@@ -280,6 +302,14 @@ class _Remote:
         if diff.from_revision == mesh.revision or diff.from_revision == diff.to_revision:
             return [diff]
         return self._catch_up(mesh, diff.to_revision)
+
+    def _path_beside(self, mesh: Mesh, diff: Any, last: int) -> list[Any]:
+        """`_path`, of a stream that had come to the revision `last`.
+
+        If the mesh is beyond the diff, another thread has advanced it; if the diff is not beyond
+        `last`, another server has taken the place of the one before.
+        """
+        return [] if last < diff.to_revision <= mesh.revision else self._path(mesh, diff)
 
     def _catch_up(self, mesh: Mesh, revision: int) -> list[Any]:
         if revision == mesh.revision:
@@ -309,38 +339,45 @@ class _Local:
     """A mesh in this process."""
 
     name = ""
-
-    def __init__(self, core: Any) -> None:
-        self._core = core
+    is_local = True
 
     def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool, progress: Optional[Progress],
               request_id: Optional[str], expected_revision: Optional[int]) -> list[Any]:
         if expected_revision is not None and expected_revision != mesh.revision:
             raise FailedPrecondition(f"the mesh is at revision {mesh.revision}, not "
                                      f"{expected_revision}")
-        return [self._core.apply(batch, progress, validate_only)]
+        if validate_only:
+            mesh._replica.validate(batch)
+            return []
+        return [mesh._replica.edit(batch, progress)]
 
     def load(self, mesh: Mesh, batch: Any, progress: Optional[Progress]) -> list[Any]:
-        return [self._core.apply(batch, progress, False)]
+        return [mesh._replica.edit(batch, progress)]
 
     def revert(self, mesh: Mesh, revision: int) -> list[Any]:
         raise DynmeshError("a mesh in process keeps no history: apply the inverse edits")
 
-    def features(self, revision: Optional[int]) -> list[dict[str, Any]]:
+    def features(self, mesh: Mesh, revision: Optional[int]) -> list[dict[str, Any]]:
         if revision is not None:
             raise DynmeshError("a mesh in process keeps no history")
-        return self._core.features()
+        with mesh._edits:
+            features: list[dict[str, Any]] = mesh._replica.features()
+        return features
 
-    def locate(self, points: Array) -> tuple[int, Array]:
-        return self._core.revision(), self._core.locate(points)
+    def locate(self, mesh: Mesh, points: Array) -> Array:
+        slots: Array = mesh._replica.locate(points)
+        return slots
 
-    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]:
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[Diff]:
         for batch in batches:
-            yield [self._core.apply(batch, None, False)]
+            yield mesh._edit(partial(self.load, mesh, batch, None))
 
-    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]:
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[Any]:
         raise DynmeshError("a mesh in process changes by its own edits only")
-        yield []  # a generator, as the others
+        yield  # a generator, as the others
+
+    def continue_with(self, mesh: Mesh, event: Any) -> list[Any]:
+        return []
 
     def sync(self, mesh: Mesh) -> list[Any]:
         return []

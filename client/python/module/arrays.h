@@ -1,4 +1,4 @@
-// numpy arrays over columns: views that keep the owner of the data alive.
+// numpy arrays over columns of a mesh.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_ARRAYS_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_ARRAYS_H_
 
@@ -6,13 +6,13 @@
 #include <pybind11/pybind11.h>
 
 #include <cstddef>
-#include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "dynmesh/slot_mesh.h"
+#include "client/python/module/held_column.h"
 
 namespace dynmesh::python {
 
@@ -21,28 +21,31 @@ namespace py = pybind11;
 template <class T>
 using InArray = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// Rows of `width` entries, one-dimensional if `width` is 0. Read-only.
-template <class T>
-py::array View(std::shared_ptr<const T[]> block, std::size_t size, std::size_t width) {
-  const T* const data = block.get();
-  const py::capsule owner(new std::shared_ptr<const T[]>(std::move(block)), [](void* held) {
-    delete static_cast<std::shared_ptr<const T[]>*>(held);
-  });
-  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size)};
-  if (width > 0) shape = {static_cast<py::ssize_t>(size / width), static_cast<py::ssize_t>(width)};
-  py::array_t<T> array(shape, data, owner);
-  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return array;
+// Runs `f` with `mutex` held. The GIL is given up if that has to wait, so the holder of a mutex may
+// wait for the GIL. `f` makes no Python objects: these could run a finalizer that needs the mutex.
+template <class F>
+auto WithLock(std::mutex& mutex, F f) {
+  std::unique_lock lock(mutex, std::try_to_lock);
+  if (!lock) {
+    py::gil_scoped_release release;
+    lock.lock();
+  }
+  return f();
 }
 
+// A column as a read-only array that never changes: rows of `width` entries, one-dimensional if
+// `width` is 0.
 template <class T>
-py::array View(const SlotColumn<T>& column, std::size_t width = 0) {
-  if (column.size() == 0) {
-    std::vector<py::ssize_t> shape = {0};
-    if (width > 0) shape.push_back(static_cast<py::ssize_t>(width));
-    return py::array_t<T>(shape);
-  }
-  return View<T>(column.share(), column.size(), width);
+py::array View(HeldColumn<T> column, std::size_t width = 0) {
+  const auto size = static_cast<py::ssize_t>(column.size());
+  std::vector<py::ssize_t> shape = {size};
+  if (width > 0) shape = {size / static_cast<py::ssize_t>(width), static_cast<py::ssize_t>(width)};
+  if (size == 0) return py::array_t<T>(shape);
+  auto* const held = new HeldColumn<T>(std::move(column));
+  const py::capsule owner(held, [](void* p) { delete static_cast<HeldColumn<T>*>(p); });
+  py::array_t<T> array(shape, held->data(), owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
 }
 
 // An array that takes over a vector's entries.

@@ -32,9 +32,8 @@ pybind11::dict OptionsDict(const MeshOptions& options);
 MeshOptions OptionsOf(const pybind11::dict& options);
 
 void BindEdits(pybind11::module_& module);
-void BindReplica(pybind11::module_& module);
+void BindMesh(pybind11::module_& module);
 void BindTransfer(pybind11::module_& module);
-void BindLocalMesh(pybind11::module_& module);
 void BindClient(pybind11::module_& module);
 
 }  // namespace dynmesh::python

@@ -229,6 +229,7 @@ void BindEdits(py::module_& module) {
              return Batch{{}, dimension};
            }),
            py::arg("dimension"))
+      .def_property_readonly("dimension", [](const Batch& batch) { return batch.dimension; })
       .def("__len__", [](const Batch& batch) { return batch.edits.size(); })
       .def("points", &Points)
       .def("moves", &Moves)
@@ -237,6 +238,7 @@ void BindEdits(py::module_& module) {
       .def("size", &Size)
       .def("remove", &Remove)
       .def("label", &SetLabel);
+  module.attr("last_feature_id") = py::int_(kLastFeatureId);
   module.def("known_options", [] {
     return std::vector<std::string>{"dimension", "box",      "kind",         "rho",
                                     "criterion", "max_edge", "min_dihedral", "max_vertices"};

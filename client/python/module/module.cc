@@ -53,8 +53,7 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   dynmesh::python::BindEdits(module);
-  dynmesh::python::BindReplica(module);
+  dynmesh::python::BindMesh(module);
   dynmesh::python::BindTransfer(module);
-  dynmesh::python::BindLocalMesh(module);
   dynmesh::python::BindClient(module);
 }

@@ -9,7 +9,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/meshes/msh_groups.h"
 #include "core/io/meshes/references.h"
+#include "core/io/meshes/region_labels.h"
 #include "core/io/meshes/tetrahedron_sides.h"
 
 namespace dynmesh::io {
@@ -79,11 +81,29 @@ void WriteReferences(const IndexedMesh& mesh, const References& references, File
     }
     out << '\n';
   }
+}
+
+// The same of triangles, in 3D of tetrahedra.
+void WriteRegionReferences(const IndexedMesh& mesh, const std::vector<std::int64_t>& references,
+                           FileWriter& out) {
   if (mesh.regions.count() == 0) return;
+  const std::vector<RegionLabel> labels = RegionLabelsOf(mesh);
   for (std::uint32_t k = 0; k <= mesh.regions.count(); ++k) {
-    out << "# " << (mesh.dimension == 3 ? "tetrahedron" : "triangle") << " reference " << k + 1
-        << ": " << mesh.regions.Name(k) << '\n';
+    out << "# " << (mesh.dimension == 3 ? "tetrahedron" : "triangle") << " reference "
+        << references[k] << ": " << mesh.regions.Name(k);
+    if (!labels[k].name.empty()) out << ", " << labels[k].name;
+    out << '\n';
   }
+}
+
+// The references of regions, by number: as the groups of a `.msh`.
+std::vector<std::int64_t> RegionReferences(const IndexedMesh& mesh, const References& references) {
+  std::vector<std::int64_t> result;
+  const MshGroups groups(mesh, references);
+  for (std::uint32_t k = 0; k <= mesh.regions.count(); ++k) {
+    result.push_back(mesh.labels.replace_ids ? groups.OfRegion(k) : std::int64_t{k} + 1);
+  }
+  return result;
 }
 
 }  // namespace
@@ -100,6 +120,9 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   } else {
     WriteReferences(mesh, *references, out);
   }
+  const bool has_values = labels.replace_ids && !labels.simplex_values.empty();
+  const std::vector<std::int64_t> of_regions = RegionReferences(mesh, *references);
+  if (!has_values) WriteRegionReferences(mesh, of_regions, out);
   out << "\nVertices\n" << mesh.vertices.size() << '\n';
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const IndexedMesh::Vertex& v = mesh.vertices[i];
@@ -127,11 +150,10 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   std::size_t i = 0;
   ForEachSimplex(mesh, [&](const auto& corners) {
     for (const std::uint32_t corner : corners) out << std::uint64_t{corner} + 1 << ' ';
-    const bool has_value = labels.replace_ids && !labels.simplex_values.empty();
-    if (has_value) {
+    if (has_values) {
       out << static_cast<std::int64_t>(std::clamp(labels.simplex_values[i], -kMost, kMost)) << '\n';
     } else {
-      out << mesh.regions.Of(i) + 1 << '\n';
+      out << of_regions[mesh.regions.Of(i)] << '\n';
     }
     ++i;
   });

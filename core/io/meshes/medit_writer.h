@@ -11,8 +11,9 @@ namespace dynmesh::io {
 
 // MeshVersionFormatted 2 (doubles), Dimension 2 or 3, rows in the canonical order of IndexedMesh,
 // numbered from 1:
-// If labels replace ids, references are markers of the input, those of simplices the whole part of
-// their region's attribute, if there are any.
+// If labels replace ids, references are markers of the input; those of simplices are the whole part
+// of their region's attribute if there are any, else the numbers of msh_groups.h: the markers of
+// their polygons.
 //   Vertices   x y [z] reference of the owner, 0 if free; coordinates read back bit for bit
 //   Edges      the subsegments, with the reference of the owner
 //   Triangles  2D: counter-clockwise, reference 1; in polygons 1 + the number of the

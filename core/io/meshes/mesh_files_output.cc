@@ -14,6 +14,7 @@
 #include "core/io/meshes/mesh_companions.h"
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/meshes/mesh_notes.h"
+#include "core/io/meshes/region_labels.h"
 
 namespace dynmesh::io {
 namespace {
@@ -109,8 +110,13 @@ void WriteSimplices(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out
   const std::vector<double>& values = mesh.labels.simplex_values;
   const bool has_values = mesh.labels.replace_ids && !values.empty();
   const bool has_regions = !mesh.labels.replace_ids && mesh.regions.count() != 0;
+  const std::vector<RegionLabel> labels = RegionLabelsOf(mesh);
+  const bool has_markers =
+      mesh.labels.replace_ids && !has_values &&
+      std::ranges::any_of(labels, [](const RegionLabel& label) { return label.marker != 0; });
   const int nodes = (mesh.dimension + 1) * (mesh.order() == 1 ? 2 : mesh.dimension + 2) / 2;
-  out << mesh.simplex_count() << ' ' << nodes << ' ' << (has_regions || has_values ? 1 : 0) << '\n';
+  out << mesh.simplex_count() << ' ' << nodes << ' '
+      << (has_regions || has_values || has_markers ? 1 : 0) << '\n';
   std::size_t i = 0;
   ForEachSimplex(mesh, [&](const auto& corners) {
     out << i + base;
@@ -118,6 +124,7 @@ void WriteSimplices(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out
     if (mesh.order() == 2) WriteMidpoints(mesh, corners, base, out);
     if (has_regions) out << ' ' << mesh.regions.Of(i);
     if (has_values) out << ' ' << values[i];
+    if (has_markers) out << ' ' << labels[mesh.regions.Of(i)].marker;
     out << '\n';
     ++i;
   });

@@ -9,10 +9,15 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/io/meshes/region_labels.h"
 
 namespace dynmesh::io {
 namespace {
 
+// The format's limit for the names of physical groups: Gmsh misreads longer ones.
+constexpr std::size_t kMostNameLength = 127;
+// Of groups with the name of one of a higher dimension, by dimension.
+constexpr const char* kBelow[] = {" points", " edges", " faces"};
 constexpr double kMostGroup = std::numeric_limits<std::int32_t>::max();
 
 // Names stand in quotes, on a line.
@@ -54,16 +59,19 @@ FeatureId MshGroups::FeatureOf(int reference) const {
   return references_.features()[static_cast<std::size_t>(reference) - 1];
 }
 
-void MshGroups::NumberRegions() {
-  for (std::uint32_t region = 0; region <= mesh_.regions.count(); ++region) {
-    group_of_region_.push_back(static_cast<int>(region) + 1);
+// The numbers that regions have from the input: a region whose simplices all have the same
+// attribute has it, others have the marker of their polygon; 0: none. Names come along.
+std::vector<int> MshGroups::MarkersOfRegions() {
+  const std::vector<RegionLabel> labels = RegionLabelsOf(mesh_);
+  std::vector<int> result;
+  for (const RegionLabel& label : labels) {
+    result.push_back(GroupOf(static_cast<double>(label.marker)));
+    name_of_region_.push_back(Quotable(label.name));
   }
-  name_of_region_.resize(group_of_region_.size());
   const std::vector<double>& values = mesh_.labels.simplex_values;
-  if (values.empty()) return;
-  // A region whose simplices all have the same attribute has it as number.
-  std::vector<std::optional<double>> value_of(group_of_region_.size());
-  std::vector<bool> is_mixed(group_of_region_.size(), false);
+  if (values.empty()) return result;
+  std::vector<std::optional<double>> value_of(result.size());
+  std::vector<bool> is_mixed(result.size(), false);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint32_t region = mesh_.regions.Of(i);
     if (!value_of[region]) value_of[region] = values[i];
@@ -71,28 +79,33 @@ void MshGroups::NumberRegions() {
   }
   for (std::uint32_t region = 0; region < value_of.size(); ++region) {
     if (!value_of[region] || is_mixed[region]) continue;
+    if (const int group = GroupOf(*value_of[region]); group != 0) result[region] = group;
     const auto name = mesh_.labels.value_names.find(*value_of[region]);
     if (name != mesh_.labels.value_names.end()) name_of_region_[region] = Quotable(name->second);
   }
-  if (!mesh_.labels.replace_ids) return;
-  std::set<int> taken;
-  std::vector<std::uint32_t> rest;
-  for (std::uint32_t region = 0; region < group_of_region_.size(); ++region) {
-    const int group = value_of[region] && !is_mixed[region] ? GroupOf(*value_of[region]) : 0;
-    if (group == 0) {
-      rest.push_back(region);
-    } else {
-      taken.insert(group_of_region_[region] = group);
+  return result;
+}
+
+void MshGroups::NumberRegions() {
+  const std::vector<int> markers = MarkersOfRegions();
+  if (!mesh_.labels.replace_ids) {
+    std::map<std::string, int> first;  // region of a name
+    for (std::uint32_t region = 0; region < markers.size(); ++region) {
+      const int number = static_cast<int>(region) + 1;
+      const std::string& name = name_of_region_[region];
+      group_of_region_.push_back(name.empty() ? number : first.emplace(name, number).first->second);
     }
+    return;
   }
+  const std::set<int> taken(markers.begin(), markers.end());
   int next = 1;
-  for (const std::uint32_t region : rest) {
+  for (const int marker : markers) {
     while (taken.contains(next)) ++next;
-    group_of_region_[region] = next++;
+    group_of_region_.push_back(marker != 0 ? marker : next++);
   }
 }
 
-std::string MshGroups::Name(int reference) const {
+std::string MshGroups::NameOf(int reference) const {
   const FeatureId id = FeatureOf(reference);
   const std::string name = Quotable(mesh_.labels.NameOf(id));
   if (!name.empty()) return name;
@@ -100,13 +113,45 @@ std::string MshGroups::Name(int reference) const {
                                   : references_.Name(reference);
 }
 
+// Regions of one marker without a name are a group without a polygon.
 std::string MshGroups::NameOfRegion(std::uint32_t region) const {
   if (!name_of_region_[region].empty()) return name_of_region_[region];
-  if (region != 0 && mesh_.regions.polygons[region - 1].size() == 1) {
-    const std::string name = Quotable(mesh_.labels.NameOf(mesh_.regions.polygons[region - 1][0]));
-    if (!name.empty()) return name;
-  }
+  const int group = group_of_region_[region];
+  if (std::ranges::count(group_of_region_, group) > 1) return text::Concat("marker ", group);
   return mesh_.regions.Name(region);
+}
+
+std::map<std::pair<int, int>, std::string> MshGroups::Names(
+    const std::array<std::set<int>, 3>& features, const std::set<std::uint32_t>& regions,
+    std::vector<std::pair<std::string, std::string>>& long_names) const {
+  std::map<std::pair<int, int>, std::string> names;
+  std::set<std::string> taken;
+  const auto add = [&](int dimension, int group, std::string name) {
+    const auto [at, is_new] = names.try_emplace({dimension, group});
+    if (!is_new) return;
+    if (taken.contains(name) && dimension < mesh_.dimension) name += kBelow[dimension];
+    if (taken.contains(name)) name += text::Concat(' ', group);
+    taken.insert(name);
+    at->second = std::move(name);
+  };
+  // Named regions first: a name is not taken by what only has a number.
+  for (const bool has_name : {true, false}) {
+    for (const std::uint32_t region : regions) {
+      if (name_of_region_[region].empty() == has_name) continue;
+      std::string name = NameOfRegion(region);
+      if (name.size() > kMostNameLength) {
+        const std::string short_name = text::Concat("region ", region);
+        long_names.emplace_back(short_name, std::exchange(name, short_name));
+      }
+      add(mesh_.dimension, group_of_region_[region], std::move(name));
+    }
+  }
+  for (int dimension = mesh_.dimension - 1; dimension >= 0; --dimension) {
+    for (const int reference : features[static_cast<std::size_t>(dimension)]) {
+      if (const int group = Of(reference); group != 0) add(dimension, group, NameOf(reference));
+    }
+  }
+  return names;
 }
 
 }  // namespace dynmesh::io

@@ -22,8 +22,6 @@ using text::Concat;
 
 namespace {
 
-// The format's limit for the names of physical groups: Gmsh misreads longer ones.
-constexpr std::size_t kMostNameLength = 127;
 constexpr int kPointElement = 15;
 // By order and dimension: line, triangle, tetrahedron.
 constexpr int kElementOf[2][4] = {{kPointElement, 1, 2, 4}, {kPointElement, 8, 9, 11}};
@@ -201,33 +199,26 @@ class MshFile {
   }
 
   void WritePhysicalNames() {
-    std::map<std::pair<int, int>, std::string> groups;  // by dimension and tag
-    for (const PointEntity& p : points_) AddGroup(0, p.physical, groups);
+    std::array<std::set<int>, 3> features;
+    for (const PointEntity& p : points_) features[0].insert(p.physical);
     for (int dimension = 1; dimension < top_; ++dimension) {
-      for (const auto& [tag, entity] : entities_[dimension]) AddGroup(dimension, tag, groups);
+      for (const auto& [tag, entity] : entities_[dimension]) features[dimension].insert(tag);
     }
-    std::string long_names;
+    std::set<std::uint32_t> regions;
     for (const auto& [tag, entity] : entities_[top_]) {
-      const auto region = static_cast<std::uint32_t>(tag - 1);
-      std::string name = groups_.NameOfRegion(region);
-      if (name.size() > kMostNameLength) {
-        const std::string short_name = Concat("region ", region);
-        long_names += Concat(short_name, ": ", name, "\n");
-        name = short_name;
-      }
-      groups.emplace(std::pair(top_, groups_.OfRegion(region)), name);
+      regions.insert(static_cast<std::uint32_t>(tag - 1));
     }
-    out_ << "$PhysicalNames\n" << groups.size() << '\n';
-    for (const auto& [key, name] : groups) {
+    std::vector<std::pair<std::string, std::string>> long_names;
+    const auto names = groups_.Names(features, regions, long_names);
+    out_ << "$PhysicalNames\n" << names.size() << '\n';
+    for (const auto& [key, name] : names) {
       out_ << key.first << ' ' << key.second << " \"" << name << "\"\n";
     }
     out_ << "$EndPhysicalNames\n";
-    if (!long_names.empty()) out_ << "$Comments\n" << long_names << "$EndComments\n";
-  }
-
-  void AddGroup(int dimension, int reference, std::map<std::pair<int, int>, std::string>& groups) {
-    const int group = groups_.Of(reference);
-    if (group != 0) groups.emplace(std::pair(dimension, group), groups_.Name(reference));
+    if (long_names.empty()) return;
+    out_ << "$Comments\n";
+    for (const auto& [short_name, name] : long_names) out_ << short_name << ": " << name << '\n';
+    out_ << "$EndComments\n";
   }
 
   // "1 GROUP", or "0" for none.

@@ -12,6 +12,7 @@
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/common/vtu_array.h"
+#include "core/io/meshes/region_labels.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::io {
@@ -181,6 +182,8 @@ void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, Fil
   std::vector<std::uint32_t> regions = mesh.regions.numbers;
   std::vector<std::int64_t> owners(mesh.simplex_count(), 0);
   std::vector<std::int64_t> markers(mesh.simplex_count(), 0);
+  const std::vector<RegionLabel> labels = RegionLabelsOf(mesh);
+  for (std::size_t i = 0; i < markers.size(); ++i) markers[i] = labels[mesh.regions.Of(i)].marker;
   std::vector<double> values = mesh.labels.simplex_values;
   const auto& row_markers =
       mesh.dimension == 2 ? mesh.labels.edge_markers : mesh.labels.face_markers;

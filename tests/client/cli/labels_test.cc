@@ -244,6 +244,167 @@ TEST_F(Labels, NamesGoFromScriptsAndMapsIntoFiles) {
   EXPECT_NE(folder_.Read("g.msh").find("\"Mohave\"\n"), std::string::npos);
 }
 
+// "dimension number" of the physical groups, by name. A reader that looks them up by name must find
+// each: no name is there twice.
+std::map<std::string, std::string> GroupsOf(const std::string& msh) {
+  std::map<std::string, std::string> groups;
+  std::istringstream lines(msh.substr(msh.find("$PhysicalNames\n")));
+  std::string line;
+  std::getline(lines, line), std::getline(lines, line);
+  while (std::getline(lines, line) && line[0] != '$') {
+    const std::size_t quote = line.find('"');
+    const std::string name = line.substr(quote + 1, line.size() - quote - 2);
+    EXPECT_TRUE(groups.emplace(name, line.substr(0, quote - 1)).second)
+        << name << " is there twice";
+  }
+  return groups;
+}
+
+// The third column of a section of Medit's: references of triangles or tetrahedra.
+std::map<long, int> ReferencesOf(const std::string& mesh, const std::string& section) {
+  std::istringstream words(mesh.substr(mesh.find("\n" + section + "\n") + section.size() + 2));
+  std::size_t count = 0;
+  words >> count;
+  std::map<long, int> references;
+  for (std::size_t i = 0; i < count; ++i) {
+    long value = 0;
+    for (int k = 0; k < (section == "Triangles" ? 4 : 5); ++k) words >> value;
+    ++references[value];
+  }
+  return references;
+}
+
+// A plate with an inclusion.
+constexpr char kPlateWithInclusion[] =
+    "mesh box=0,0,12,8\n"
+    "add point 1 0 0\nadd point 2 12 0\nadd point 3 12 8\nadd point 4 0 8\n"
+    "add point 5 4 2\nadd point 6 8 2\nadd point 7 8 6\nadd point 8 4 6\n"
+    "add polygon 100 1 2 3 4\nadd polygon 200 5 6 7 8\nadd segment 11 4 1\n"
+    "name 100 wall\nname 200 inclusion\nname 11 inflow\n"
+    "marker 100 3\nmarker 200 4\nmarker 11 1\n";
+
+TEST_F(Labels, TrianglesHaveTheNameAndTheMarkerOfTheirPolygonAndItsBorderAnotherName) {
+  folder_.Write("s.dynmesh", kPlateWithInclusion);
+  for (const std::string part : {"", "--region 100 "}) {
+    ASSERT_EQ(Run("mesh s.dynmesh " + part + "-o i.msh").code, 0);
+    auto ids = GroupsOf(folder_.Read("i.msh"));
+    EXPECT_EQ(ids.at("wall"), "2 2");
+    EXPECT_EQ(ids.at("inclusion"), "2 3");
+    EXPECT_EQ(ids.at("wall edges")[0], '1');
+    EXPECT_EQ(ids.at("inclusion edges")[0], '1');
+    EXPECT_EQ(ids.at("inflow")[0], '1');
+    const Outcome made =
+        Run("mesh s.dynmesh " + part + "--markers input -o m.msh -o m.mesh -o m.vtu -o m.node");
+    ASSERT_EQ(made.code, 0) << made.err;
+    const auto groups = GroupsOf(folder_.Read("m.msh"));
+    EXPECT_EQ(groups.at("wall"), "2 3");
+    EXPECT_EQ(groups.at("inclusion"), "2 4");
+    EXPECT_EQ(groups.at("wall edges"), "1 3");
+    EXPECT_EQ(groups.at("inclusion edges"), "1 4");
+    EXPECT_EQ(groups.at("inflow"), "1 1");
+    EXPECT_EQ(groups.count("domain"), part.empty() ? 1U : 0U);
+    const std::string mesh = folder_.Read("m.mesh");
+    const auto references = ReferencesOf(mesh, "Triangles");
+    EXPECT_GT(references.at(3), 0);
+    EXPECT_GT(references.at(4), 0);
+    EXPECT_EQ(references.size(), part.empty() ? 3U : 2U);
+    EXPECT_NE(mesh.find("# triangle reference 3: polygon 100, wall\n"), std::string::npos);
+    EXPECT_NE(mesh.find("# triangle reference 4: polygons 100 200, inclusion\n"),
+              std::string::npos);
+    std::map<double, int> attributes;
+    for (const auto& row : Rows(folder_.Read("m.ele"))) ++attributes[row.back()];
+    EXPECT_EQ(attributes[3], references.at(3));
+    EXPECT_EQ(attributes[4], references.at(4));
+  }
+  // In a part, too, the inclusion is the inclusion's.
+  ASSERT_EQ(Run("mesh s.dynmesh --region 200 --markers input -o p.msh").code, 0);
+  EXPECT_EQ(GroupsOf(folder_.Read("p.msh")).at("inclusion"), "2 4");
+}
+
+TEST_F(Labels, AnOverlapIsNoPolygonsOwnAndRegionsOfOneNameAreOneGroup) {
+  folder_.Write("o.dynmesh",
+                "mesh box=0,0,9,9\nadd point 1 0 0\nadd point 2 6 0\nadd point 3 6 6\n"
+                "add point 4 0 6\nadd point 5 3 3\nadd point 6 9 3\nadd point 7 9 9\n"
+                "add point 8 3 9\nadd point 9 6 3\nadd point 10 3 6\n"
+                "add polygon 20 1 2 9 3 10 4\nadd polygon 30 5 9 6 7 8 10\n"
+                "name 20 metal\nname 30 metal\nmarker 20 5\nmarker 30 5\n");
+  ASSERT_EQ(Run("mesh o.dynmesh -o o.msh").code, 0);
+  auto groups = GroupsOf(folder_.Read("o.msh"));
+  EXPECT_EQ(groups.at("metal"), "2 2");
+  EXPECT_EQ(groups.at("polygons 20 30"), "2 3");
+  ASSERT_EQ(Run("mesh o.dynmesh --markers input -o m.msh").code, 0);
+  groups = GroupsOf(folder_.Read("m.msh"));
+  EXPECT_EQ(groups.at("metal"), "2 5");
+  EXPECT_EQ(groups.at("polygons 20 30"), "2 2");  // a number that no marker has
+  // Two names of one marker, and one name of two markers.
+  folder_.Write("n.dynmesh", folder_.Read("o.dynmesh") + "marker 30 6\nmarker 7 6\nname 7 metal\n");
+  ASSERT_EQ(Run("mesh n.dynmesh --markers input -o n.msh").code, 0);
+  groups = GroupsOf(folder_.Read("n.msh"));
+  EXPECT_EQ(groups.at("metal"), "2 5");
+  EXPECT_EQ(groups.at("metal 6"), "2 6");
+}
+
+// A cube in a room: polygons 901 to 906 and 5001 to 5006.
+std::string CubeInARoom() {
+  std::string script = "mesh dim=3 box=0,0,0,12,12,12\n";
+  const auto add = [&](int point, int polygon, double lo, double hi) {
+    const char* const faces[] = {"1 2 3 4", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"};
+    for (int k = 0; k < 8; ++k) {
+      const double x = k % 4 == 1 || k % 4 == 2 ? hi : lo, y = k % 4 >= 2 ? hi : lo;
+      script += "add point " + std::to_string(point + k + 1) + " " + std::to_string(x) + " " +
+                std::to_string(y) + " " + std::to_string(k >= 4 ? hi : lo) + "\n";
+    }
+    for (int f = 0; f < 6; ++f) {
+      script += "add polygon " + std::to_string(polygon + f);
+      std::istringstream corners(faces[f]);
+      for (int corner = 0; corners >> corner;) script += " " + std::to_string(point + corner);
+      script += "\n";
+    }
+  };
+  add(0, 901, 0, 12);
+  add(10, 5001, 4, 8);
+  const char* const names[] = {"bottom", "top", "front", "right", "back", "left"};
+  for (int f = 0; f < 6; ++f) {
+    script += "name " + std::to_string(901 + f) + " " + names[f] + "\nmarker " +
+              std::to_string(901 + f) + " " + std::to_string(f + 1) + "\nname " +
+              std::to_string(5001 + f) + " cube\nmarker " + std::to_string(5001 + f) + " 10\n";
+  }
+  return script;
+}
+
+TEST_F(Labels, AVolumeHasTheNameOfItsSurfaceOnlyIfAllPolygonsOfThatHaveIt) {
+  folder_.Write("s.dynmesh", CubeInARoom());
+  for (const std::string part : {"--region 901 ", "--inside ", ""}) {
+    Outcome made = Run("mesh s.dynmesh " + part + "-o i.msh");
+    ASSERT_EQ(made.code, 0) << made.err;
+    auto groups = GroupsOf(folder_.Read("i.msh"));
+    EXPECT_EQ(groups.at("polygon 901"), "3 2");
+    EXPECT_EQ(groups.at("cube"), "3 3");
+    EXPECT_EQ(groups.at("cube faces")[0], '2');
+    EXPECT_EQ(groups.at("cube edges")[0], '1');
+    EXPECT_EQ(groups.at("bottom")[0], '2');
+    EXPECT_EQ(groups.at("bottom edges")[0], '1');
+    made = Run("mesh s.dynmesh " + part + "--markers input -o m.msh -o m.mesh -o m.node");
+    ASSERT_EQ(made.code, 0) << made.err;
+    groups = GroupsOf(folder_.Read("m.msh"));
+    EXPECT_EQ(groups.at("polygon 901"), "3 1");
+    EXPECT_EQ(groups.at("cube"), "3 10");
+    EXPECT_EQ(groups.at("cube faces"), "2 10");
+    EXPECT_EQ(groups.at("bottom"), "2 1");
+    const std::string mesh = folder_.Read("m.mesh");
+    const auto references = ReferencesOf(mesh, "Tetrahedra");
+    EXPECT_GT(references.at(10), 0);
+    EXPECT_GT(references.at(1), 0);
+    EXPECT_NE(mesh.find("# tetrahedron reference 10: polygons 901 5001, cube\n"),
+              std::string::npos);
+    std::map<double, int> attributes;
+    for (const auto& row : Rows(folder_.Read("m.ele"))) ++attributes[row.back()];
+    EXPECT_EQ(attributes[10], references.at(10));
+  }
+  ASSERT_EQ(Run("mesh s.dynmesh --region 5001 -o p.msh").code, 0);
+  EXPECT_EQ(GroupsOf(folder_.Read("p.msh")).at("cube")[0], '3');
+}
+
 TEST_F(Labels, LargestVolumesOfRegionsAreObeyed) {
   const std::string cube =
       "8 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n5 0 0 4\n6 4 0 4\n7 4 4 4\n8 0 4 4\n6 0\n"

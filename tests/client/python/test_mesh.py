@@ -220,7 +220,7 @@ def test_bad_input_says_what_to_do_and_changes_nothing(make_mesh):
         (dict(add_points={5: (7, 7)}), dynmesh.DynmeshError, "OUTSIDE_BOX"),
         (dict(add_points={5: (np.nan, 0.5)}), dynmesh.DynmeshError, "NOT_FINITE"),
         (dict(add_points={5: (0.5, 0.5, 0.5)}), ValueError, "2 coordinates"),
-        (dict(add_points={-5: (0.5, 0.5)}), ValueError, "from 0 to"),
+        (dict(add_points={-5: (0.5, 0.5)}), ValueError, "from 1 to"),
         (dict(add_points={5.5: (0.5, 0.5)}), TypeError, "whole numbers"),
         (dict(add_point={5: (0.5, 0.5)}), TypeError, "there is no edit add_point"),
         (dict(add_points=7), TypeError, "add_points"),

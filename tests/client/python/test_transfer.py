@@ -147,7 +147,7 @@ def test_bad_fields_change_nothing(make_mesh, random):
     nan = u.copy()
     nan[diff.patch.removed_corners[0, 0]] = np.nan
     cases = [
-        (dict(u=u[:-1]), ValueError, "a row for each slot"),
+        (dict(u=u[:-1]), ValueError, "a row for each vertex slot"),
         (dict(u=np.float64(1)), ValueError, "a row for each slot"),
         (dict(u=np.zeros((mesh.vertex_slots, 2, 2))), ValueError, "axis of components"),
         (dict(u=u.astype(complex)), TypeError, "complex"),

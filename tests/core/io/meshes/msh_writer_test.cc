@@ -197,6 +197,19 @@ std::string NameOf(FeatureId owner) {
   return owner == kBoxFeature ? "box" : "feature " + std::to_string(owner);
 }
 
+// The names of a plane mesh's owners: one that has a curve has its name there, and another one as a
+// point.
+std::function<std::string(FeatureId, int)> NamesIn(const IndexedMesh& mesh) {
+  std::set<FeatureId> with_curve = {kBoxFeature};
+  for (const auto& e : mesh.edges) with_curve.insert(e.owner);
+  for (const auto& v : mesh.vertices) {
+    if (v.containing_dimension == 1) with_curve.insert(v.owner);
+  }
+  return [with_curve](FeatureId owner, int dimension) {
+    return NameOf(owner) + (dimension == 0 && with_curve.contains(owner) ? " points" : "");
+  };
+}
+
 // Everything that the mesh has is in the file, and nothing else.
 void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
   ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
@@ -207,6 +220,7 @@ void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
       regions_at[v + 1ULL].insert(mesh.regions.Name(mesh.regions.Of(i)));
     }
   }
+  const auto name_of = NamesIn(mesh);
   std::multiset<std::pair<std::uint64_t, std::string>> points, found_points;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& v = mesh.vertices[i];
@@ -219,16 +233,16 @@ void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
     if (free && regions_at.contains(i + 1)) {
       EXPECT_TRUE(regions_at.at(i + 1).contains(NameOf(content, entity)));
     } else {
-      EXPECT_EQ(NameOf(content, entity), free ? "domain" : NameOf(v.owner));
+      EXPECT_EQ(NameOf(content, entity), free ? "domain" : name_of(v.owner, entity.first));
     }
     const bool point = !free && v.containing_dimension == 0 && v.owner != kBoxFeature;
     EXPECT_EQ(entity.first, free ? 2 : point ? 0 : 1);
-    if (point) points.emplace(i + 1, NameOf(v.owner));
+    if (point) points.emplace(i + 1, name_of(v.owner, 0));
   }
   using Edge = std::pair<std::set<std::uint64_t>, std::string>;
   std::multiset<Edge> edges, found_edges;
   for (const auto& e : mesh.edges) {
-    if (e.owner != kNoFeature) edges.insert({{e.a + 1ULL, e.b + 1ULL}, NameOf(e.owner)});
+    if (e.owner != kNoFeature) edges.insert({{e.a + 1ULL, e.b + 1ULL}, name_of(e.owner, 1)});
   }
   using Triangle = std::pair<std::vector<std::uint64_t>, std::string>;
   std::multiset<Triangle> triangles, found_triangles;
@@ -357,12 +371,23 @@ TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
   ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
   const MshContent content = ReadMsh(folder.Read("m.msh"));
   ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
+  // What has faces has its name there, and another one for its edges.
+  std::set<FeatureId> with_faces;
+  for (const auto& f : mesh.faces) with_faces.insert(f.owner);
+  const auto name_of = [&](FeatureId owner, int dimension) {
+    return NameOf(owner) + (dimension == 1 && with_faces.contains(owner) ? " edges" : "");
+  };
+  std::set<std::string> names;
+  for (const auto& [group, name] : content.physical_names) {
+    EXPECT_TRUE(names.insert(name).second) << name;
+  }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& v = mesh.vertices[i];
     EXPECT_EQ(content.nodes.at(i + 1), v.position());
     const Entity entity = content.entity_of_node.at(i + 1);
     EXPECT_EQ(entity.first, v.owner == kBoxFeature ? 2 : v.containing_dimension);
-    EXPECT_EQ(NameOf(content, entity), v.owner == kNoFeature ? "domain" : NameOf(v.owner));
+    EXPECT_EQ(NameOf(content, entity),
+              v.owner == kNoFeature ? "domain" : name_of(v.owner, entity.first));
   }
   using Row = std::pair<std::vector<std::uint64_t>, std::string>;
   std::map<int, std::multiset<Row>> rows, found;
@@ -377,7 +402,7 @@ TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
     if (point) add(15, std::array{i}, NameOf(v.owner));
   }
   for (const auto& e : mesh.edges) {
-    if (e.owner != kNoFeature) add(1, std::array{e.a, e.b}, NameOf(e.owner));
+    if (e.owner != kNoFeature) add(1, std::array{e.a, e.b}, name_of(e.owner, 1));
   }
   for (const auto& f : mesh.faces) add(2, f.corners, NameOf(f.owner));
   for (const auto& t : mesh.tetrahedra) add(4, t, "domain");
@@ -393,7 +418,7 @@ TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
   for (const auto& [tag, below] : content.surface_curves) {
     for (const int curve : below) curves.insert(NameOf(content, {1, curve}));
   }
-  EXPECT_EQ(curves, (std::set{NameOf(testing::kPlate), NameOf(testing::kRim)}));
+  EXPECT_EQ(curves, (std::set{name_of(testing::kPlate, 1), NameOf(testing::kRim)}));
 }
 
 TEST(Msh, OfNothingIsStillAFile) {

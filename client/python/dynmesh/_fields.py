@@ -1,0 +1,236 @@
+"""Fields on a mesh that its edits carry along, and what arrays of a field must look like."""
+from __future__ import annotations
+
+import sys
+import threading
+import weakref
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Optional
+
+import numpy as np
+
+from dynmesh._types import Array
+from dynmesh.errors import InvalidArgument
+
+if TYPE_CHECKING:
+    from dynmesh._diff import Diff
+    from dynmesh._mesh import Mesh
+
+_NUMBERS = ("P0", "P1", "DG1")
+
+
+def check_kind(kind: Any) -> None:
+    """Raises ValueError unless `kind` is a kind of fields."""
+    if callable(kind) or (isinstance(kind, str) and kind in (*_NUMBERS, "overlap")):
+        return
+    near = {known.lower(): known for known in (*_NUMBERS, "overlap")}
+    hint = near.get(kind.lower()) if isinstance(kind, str) else None
+    raise ValueError(f"kind: there is no kind {kind!r}"
+                     + (f": {hint!r} is meant?" if hint else "")
+                     + "; there are 'P1' (values at vertices), 'P0' (means of cells), 'DG1' (values "
+                     "at the corners of cells), 'overlap' (rows of cells), or a function")
+
+
+def is_any_dtype(kind: Any) -> bool:
+    """Do rows of this kind stay as they are, of any dtype?"""
+    return callable(kind) or kind == "overlap"
+
+
+def name_of(kind: Any) -> str:
+    """The kind, as messages name it."""
+    return f"kind {kind!r}" if isinstance(kind, str) else "a function as kind"
+
+
+def check_rows(what: str, u: Array, kind: Any, slots: tuple[int, int], revision: int,
+               later: tuple[int, int] = (-1, -1), at_least: bool = False) -> None:
+    """Raises unless `u` has a row for each of the `slots` of vertices and cells, by kind, exactly.
+
+    The number of `later` slots is accepted, too. With `at_least`, more rows than slots are, unless
+    their number is that of the other kind's slots: then the kind is likely to be wrong.
+    """
+    at_vertices = kind == "P1"
+    right, wrong = slots if at_vertices else slots[::-1]
+    mine, others = ("vertex", "cell") if at_vertices else ("cell", "vertex")
+    if u.ndim == 0:
+        raise ValueError(f"{what}: {name_of(kind)} needs a row for each slot, an array of {right} "
+                         f"rows, not a single number; such as np.zeros(mesh.{mine}_slots)")
+    if len(u) in (right, later[0 if at_vertices else 1]) or (
+            at_least and len(u) > right and len(u) != wrong):
+        return
+    text = (f"{what}: {name_of(kind)} needs a row for each {mine} slot, "
+            f"{'at least ' if at_least else ''}{right} rows at revision {revision}, and got "
+            f"{len(u)}")
+    if len(u) in (wrong, later[1 if at_vertices else 0]):
+        fit = "'P0', 'DG1' or 'overlap'" if at_vertices else "'P1'"
+        raise ValueError(f"{text}, the number of {others} slots: values of "
+                         f"{'cells' if at_vertices else 'vertices'} have kind={fit}")
+    raise ValueError(f"{text}; mesh.{mine}_slots is that number, and rows of mesh.compact() are "
+                     f"brought to it by u[compact.{mine}_slots] = values")
+
+
+def check_values(what: str, u: Array, kind: Any, dimension: int) -> None:
+    """Raises unless rows of `u` have the shape and dtype of the kind. O(1)."""
+    if is_any_dtype(kind):
+        return
+    if u.dtype.kind not in "fiu":
+        raise TypeError(f"{what}: {name_of(kind)} needs real numbers, float64 or what converts to "
+                        f"it, and got {u.dtype}: a field of {u.dtype} cannot be carried"
+                        + ("; carry .real and .imag" if u.dtype.kind == "c" else
+                           "; kind='overlap' carries rows of any dtype"))
+    axes = u.shape[1:]
+    if kind == "DG1":
+        width = dimension + 1
+        if not axes or axes[0] != width:
+            raise ValueError(f"{what}: kind 'DG1' has {width} values for each cell, in the order of "
+                             f"mesh.cells: its shape begins with (slots, {width}), and got "
+                             f"{u.shape}")
+        axes = axes[1:]
+    if len(axes) > 1:
+        raise ValueError(f"{what}: a field has at most one axis of components, as (slots, 3)"
+                         f"{' or, of DG1, (slots, corners, 3)' if kind == 'DG1' else ''}, and got "
+                         f"{u.shape}")
+
+
+def check_finite(what: str, u: Array, kind: Any, live: Array) -> None:
+    """Raises if a number of a live row is not finite. O(rows)."""
+    if is_any_dtype(kind) or u.dtype.kind != "f":
+        return
+    rows = np.isfinite(u).reshape(len(u), -1).all(axis=1)
+    bad = np.flatnonzero(live & ~rows)
+    if bad.size:
+        raise ValueError(f"{what}: values of a field are finite, and row {bad[0]} is {u[bad[0]]}"
+                         + (f"; so are {bad.size - 1} more" if bad.size > 1 else ""))
+
+
+class _Field:
+    """An array with room for more rows, and the view of its rows that users get."""
+
+    def __init__(self, rows: Array, options: dict[str, Any]) -> None:
+        self.options = options
+        self._room = rows
+        self._past: Optional[weakref.ref[Array]] = None
+        self.view = rows[:]
+
+    def is_held(self) -> bool:
+        """Does anything but this object refer to the array?"""
+        return (sys.getrefcount(self.view) > _OWN_VIEW or sys.getrefcount(self._room) > _OWN_ROOM)
+
+    def advance(self, diff: Diff, rows: int) -> None:
+        """Carries the field across `diff` to `rows` rows; an array in use stays as it was."""
+        held, fits = self.is_held(), len(self._room) >= rows
+        room = self._room
+        if held or not fits:
+            size = len(room) if fits else max(rows, 2 * len(room))
+            room = np.zeros((size, *room.shape[1:]), room.dtype)
+            room[:len(self.view)] = self.view
+        diff._carry(room, **self.options)
+        if room is not self._room:
+            self.view.flags.writeable = False  # it is of the past now: writing to it would be lost
+            self._past = weakref.ref(self.view)
+        self._room, self.view = room, room[:rows]
+
+    def is_past(self, array: Array) -> bool:
+        """Is it the view that the last edit has replaced?"""
+        return self._past is not None and self._past() is array
+
+
+def _count_own() -> tuple[int, int]:
+    """What sys.getrefcount counts for a view and an array that nothing else refers to."""
+    probe = _Field(np.zeros(1), {})
+    return sys.getrefcount(probe.view), sys.getrefcount(probe._room)
+
+
+_OWN_VIEW, _OWN_ROOM = _count_own()
+
+
+class Fields(Mapping[str, Array]):
+    """Fields that every edit of their mesh transfers to the new mesh.
+
+    After `mesh.fields.add("T", values)`, `mesh.fields["T"]` is the field on the present mesh, an
+    array with one row per slot. Get it again after an edit: an array that is still in use stays as
+    it was before the edit, and becomes read-only. Carrying a field whose array is in use copies it.
+
+    Thread-safe, as `Mesh`: an array does not change by edits while it is in use. To change values
+    beside edits of other threads, hold `Mesh.locked`.
+    """
+
+    def __init__(self, mesh: Mesh, lock: threading.RLock) -> None:
+        self._mesh = mesh
+        self._lock = lock
+        self._fields: dict[str, _Field] = {}
+
+    def add(self, name: str, values: Array, kind: Any = "P1", **options: Any) -> Array:
+        """Adds a copy of `values` under `name`, transferred from now on; returns it.
+
+        Args:
+            name: that of the field; a field of this name is replaced.
+            values: a row for each slot, exactly: `Mesh.vertex_slots` rows of "P1", else
+                `Mesh.cell_slots`. Numbers are finite, except in free rows.
+            kind: as in `Diff.transfer`.
+            options: as in `Diff.transfer`: `bounded`, `order`, `rings`.
+
+        Raises:
+            ValueError, TypeError: wrong kind, shape or dtype, or a value that is not finite.
+        """
+        what = f"fields[{name!r}]"
+        check_kind(kind)
+        unknown = set(options) - {"bounded", "order", "rings"}
+        if unknown:
+            raise TypeError(f"{what}: there is no option {sorted(unknown)[0]}; there are bounded, "
+                            "order, rings")
+        array = np.asarray(values)
+        mesh = self._mesh
+        with mesh.locked():
+            check_rows(what, array, kind, (mesh.vertex_slots, mesh.cell_slots), mesh.revision)
+            check_values(what, array, kind, mesh.dimension)
+            rows = np.array(array, dtype=None if is_any_dtype(kind) else np.float64, order="C")
+            check_finite(what, rows, kind,
+                         mesh.live_vertices if kind == "P1" else mesh.live_cells)
+            with self._lock:
+                field = self._fields[name] = _Field(rows, {"kind": kind, **options})
+                return field.view
+
+    def drop(self, name: str) -> None:
+        """Removes the field `name`."""
+        with self._lock:
+            del self._fields[name]
+
+    def __getitem__(self, name: str) -> Array:
+        with self._lock:
+            return self._fields[name].view
+
+    def __setitem__(self, name: str, values: Any) -> None:
+        array = np.asarray(values)
+        with self._mesh.locked():
+            view = self[name]
+            if self._fields[name].is_past(array):
+                raise ValueError(f"fields[{name!r}]: the array is that of an earlier revision, since "
+                                 "another thread has edited the mesh meanwhile: change fields under "
+                                 "`with mesh.locked():`")
+            if array.shape not in ((), view.shape):
+                raise ValueError(f"fields[{name!r}]: the field has the shape {view.shape}, the "
+                                 f"values {array.shape}; a single number sets all rows")
+            view[...] = array
+
+    def __iter__(self) -> Iterator[str]:
+        with self._lock:
+            return iter(list(self._fields))
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+    def _advance(self, diff: Diff) -> None:
+        """Transfers all fields. Drops those that cannot be transferred, then raises their names."""
+        trouble: dict[str, Exception] = {}
+        with self._lock:
+            for name, field in list(self._fields.items()):
+                try:
+                    field.advance(diff, diff._new_slots[0 if field.options["kind"] == "P1" else 1])
+                except (ValueError, TypeError) as error:
+                    trouble[name] = error
+            for name in trouble:
+                self._fields.pop(name, None)
+        if trouble:
+            text = "; ".join(f"{name}: {error}" for name, error in trouble.items())
+            raise InvalidArgument(f"the mesh is at revision {diff.to_revision}; fields that could "
+                                  f"not be carried there were dropped: {text}")
