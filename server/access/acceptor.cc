@@ -1,6 +1,5 @@
 #include "server/access/acceptor.h"
 
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -14,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "absl/time/clock.h"
+#include "server/base/listening.h"
 #include "server/base/log.h"
 #include "server/base/process.h"
 
@@ -28,35 +28,6 @@ constexpr absl::Duration kWarnEvery = absl::Seconds(10);
 
 void SetOption(int socket, int level, int option, int value) {
   setsockopt(socket, level, option, &value, sizeof(value));
-}
-
-int PortOf(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof(address);
-  if (getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
-  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
-                                             : reinterpret_cast<sockaddr_in&>(address).sin_port);
-}
-
-// A listening socket, or -1.
-int ListenOn(const addrinfo& info, int port) {
-  sockaddr_storage address{};
-  std::copy_n(reinterpret_cast<const char*>(info.ai_addr), info.ai_addrlen,
-              reinterpret_cast<char*>(&address));
-  const bool v6 = info.ai_family == AF_INET6;
-  (v6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
-      : reinterpret_cast<sockaddr_in&>(address).sin_port) = htons(static_cast<uint16_t>(port));
-  const int listening = socket(info.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (listening < 0) return -1;
-  // To rebind after a restart; two servers on one port stay impossible.
-  SetOption(listening, SOL_SOCKET, SO_REUSEADDR, 1);
-  if (v6) SetOption(listening, IPPROTO_IPV6, IPV6_V6ONLY, 0);
-  if (bind(listening, reinterpret_cast<const sockaddr*>(&address), info.ai_addrlen) == 0 &&
-      listen(listening, SOMAXCONN) == 0) {
-    return listening;
-  }
-  close(listening);
-  return -1;
 }
 
 }  // namespace
@@ -74,33 +45,13 @@ absl::StatusOr<std::unique_ptr<Acceptor>> Acceptor::Listen(const std::string& ho
   absl::string_view host = absl::string_view(host_port).substr(0, colon);
   const std::string service = colon == std::string::npos ? "" : host_port.substr(colon + 1);
   if (absl::ConsumePrefix(&host, "[")) absl::ConsumeSuffix(&host, "]");
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
-  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(std::string(host).c_str(), service.c_str(), &wanted, &found)) {
+  absl::StatusOr<Listening> listening = ListenOn(std::string(host), service);
+  if (!listening.ok()) {
     return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", host_port, ": ", gai_strerror(error)));
+        absl::StrCat("cannot listen on ", host_port, ": ", listening.status().message()));
   }
-  std::vector<int> sockets;
-  int port = 0;
-  for (const addrinfo* info = found; info != nullptr; info = info->ai_next) {
-    if (port == 0) {
-      port = ntohs(info->ai_family == AF_INET6
-                       ? reinterpret_cast<sockaddr_in6*>(info->ai_addr)->sin6_port
-                       : reinterpret_cast<sockaddr_in*>(info->ai_addr)->sin_port);
-    }
-    const int listening = ListenOn(*info, port);
-    if (listening < 0) continue;
-    sockets.push_back(listening);
-    port = PortOf(listening);
-  }
-  freeaddrinfo(found);
-  if (sockets.empty()) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", host_port, ": is the port taken?"));
-  }
-  return std::unique_ptr<Acceptor>(new Acceptor(std::move(sockets), port, max_connections));
+  return std::unique_ptr<Acceptor>(
+      new Acceptor(std::move(listening->sockets), listening->port, max_connections));
 }
 
 Acceptor::Acceptor(std::vector<int> sockets, int port, std::uint64_t max_connections)

@@ -1,36 +1,19 @@
 #include "server/metrics/metrics_http.h"
 
 #include <httplib.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <functional>
-#include <mutex>
-#include <thread>
+#include <cstddef>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "server/base/worker_pool.h"
+#include "server/metrics/http_listener.h"
 
 namespace dynmesh::server {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr int kThreads = 2;
-constexpr std::size_t kMaxWaiting = 16;  // connections not yet taken by a thread
-constexpr std::size_t kMaxRequestBytes = 16 << 10;
-constexpr std::chrono::seconds kMaxTime{5};  // of a connection
-constexpr std::chrono::milliseconds kStopCheck{50};
 constexpr char kTextFormat[] = "text/plain; version=0.0.4; charset=utf-8";
 
 struct Address {
@@ -54,102 +37,42 @@ absl::StatusOr<Address> ParseAddress(absl::string_view listen) {
   return address;
 }
 
-// The library's pool takes any number of connections; this one leaves further ones unaccepted.
-class BoundedPool final : public httplib::TaskQueue {
+// A request that was received, and its answer.
+class MemoryStream final : public httplib::Stream {
  public:
-  void enqueue(std::function<void()> task) override {
-    {
-      std::unique_lock lock(mutex_);
-      room_.wait(lock, [this] { return waiting_ < kMaxWaiting; });
-      ++waiting_;
-    }
-    pool_.Post([this, task = std::move(task)] {
-      {
-        const std::lock_guard lock(mutex_);
-        --waiting_;
-      }
-      room_.notify_one();
-      task();
-    });
-  }
+  explicit MemoryStream(std::string request) : request_(std::move(request)) {}
 
-  void shutdown() override { pool_.Stop(); }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable room_;
-  std::size_t waiting_ = 0;  // not yet taken by a thread
-  WorkerPool pool_{kThreads};
-};
-
-// A connection that ends after a number of bytes, a time, or when the server stops. The library
-// bounds neither a line's length nor the time between two bytes.
-class BoundedStream final : public httplib::Stream {
- public:
-  BoundedStream(int socket, const std::atomic<bool>& stopping)
-      : socket_(socket), stopping_(stopping), deadline_(Clock::now() + kMaxTime) {}
-
-  bool is_readable() const override { return begin_ < end_ || WaitFor(POLLIN); }
-  bool is_writable() const override { return WaitFor(POLLOUT); }
-
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
   ssize_t read(char* data, std::size_t size) override {
-    if (begin_ == end_) {
-      if (received_ >= kMaxRequestBytes || !WaitFor(POLLIN)) return -1;
-      const ssize_t got = recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-      if (got <= 0) return got;
-      begin_ = 0;
-      end_ = static_cast<std::size_t>(got);
-      received_ += end_;
-    }
-    const std::size_t count = std::min(size, end_ - begin_);
-    std::copy_n(buffer_.data() + begin_, count, data);
-    begin_ += count;
+    const std::size_t count = request_.copy(data, size, read_);
+    read_ += count;
     return static_cast<ssize_t>(count);
   }
-
   ssize_t write(const char* data, std::size_t size) override {
-    return WaitFor(POLLOUT) ? send(socket_, data, size, MSG_DONTWAIT | MSG_NOSIGNAL) : -1;
+    answer.append(data, size);
+    return static_cast<ssize_t>(size);
   }
-
   void get_remote_ip_and_port(std::string&, int&) const override {}
   void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override { return socket_; }
+  socket_t socket() const override { return -1; }
+
+  std::string answer;
 
  private:
-  bool WaitFor(short events) const {
-    while (!stopping_ && Clock::now() < deadline_) {
-      pollfd wanted{socket_, events, 0};
-      const int ready = poll(&wanted, 1, static_cast<int>(kStopCheck.count()));
-      if (ready > 0) return true;
-      if (ready < 0 && errno != EINTR) return false;
-    }
-    return false;
-  }
-
-  const int socket_;
-  const std::atomic<bool>& stopping_;
-  const Clock::time_point deadline_;
-  std::array<char, 4096> buffer_;
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  std::size_t received_ = 0;
+  const std::string request_;
+  std::size_t read_ = 0;
 };
 
-class BoundedServer final : public httplib::Server {
+// Reads requests and writes answers as HTTP. It does not listen: the library has a thread for each
+// connection, and bounds neither a line's length nor the time between two bytes.
+class Parser final : public httplib::Server {
  public:
-  std::atomic<bool> stopping{false};
-
- private:
-  bool process_and_close_socket(socket_t socket) override {
-    bool done = false;
-    {
-      BoundedStream stream(socket, stopping);
-      bool closed = false;
-      done = process_request(stream, /*close_connection=*/true, closed, nullptr);
-    }
-    ::shutdown(socket, SHUT_RDWR);
-    ::close(socket);
-    return done;
+  std::string Answer(std::string request) {
+    MemoryStream stream(std::move(request));
+    bool closed = false;
+    process_request(stream, /*close_connection=*/true, closed, nullptr);
+    return std::move(stream.answer);
   }
 };
 
@@ -185,9 +108,9 @@ struct MetricsHttp::Impl {
   }
 
   const Sources sources;
-  BoundedServer server;
+  Parser parser;
   std::string address;
-  std::thread thread;
+  std::unique_ptr<HttpListener> listener;  // the first to end: it calls the others
 };
 
 absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::string& listen,
@@ -195,43 +118,28 @@ absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::stri
   const absl::StatusOr<Address> wanted = ParseAddress(listen);
   if (!wanted.ok()) return wanted.status();
   auto impl = std::make_unique<Impl>(std::move(sources));
-  httplib::Server& server = impl->server;
-  server.new_task_queue = [] { return new BoundedPool; };
-  // Not the library's options: with those, two servers could share a port and its requests.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-  });
   // Before any routing, which would read the body first.
-  server.set_pre_routing_handler([i = impl.get()](const auto& request, auto& response) {
+  impl->parser.set_pre_routing_handler([i = impl.get()](const auto& request, auto& response) {
     i->Answer(request, response);
     return httplib::Server::HandlerResponse::Handled;
   });
-  int port = wanted->port;
-  if (port == 0) {
-    port = server.bind_to_any_port(wanted->host);
-  } else if (!server.bind_to_port(wanted->host, port)) {
-    port = -1;
-  }
-  if (port <= 0) {
+  auto listener = HttpListener::Listen(
+      wanted->host, wanted->port,
+      [i = impl.get()](std::string request) { return i->parser.Answer(std::move(request)); });
+  if (!listener.ok()) {
     return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", listen, " for metrics: is the port taken?"));
+        absl::StrCat("cannot listen on ", listen, " for metrics: ", listener.status().message()));
   }
+  impl->listener = *std::move(listener);
   const bool bracket = absl::StrContains(wanted->host, ':');
-  impl->address = absl::StrCat(bracket ? "[" : "", wanted->host, bracket ? "]" : "", ":", port);
-  impl->thread = std::thread([&server] { server.listen_after_bind(); });
-  // Before it runs, it cannot be stopped.
-  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  impl->address = absl::StrCat(bracket ? "[" : "", wanted->host, bracket ? "]" : "", ":",
+                               impl->listener->port());
   return std::unique_ptr<MetricsHttp>(new MetricsHttp(std::move(impl)));
 }
 
 MetricsHttp::MetricsHttp(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-MetricsHttp::~MetricsHttp() {
-  impl_->server.stopping = true;
-  impl_->server.stop();
-  impl_->thread.join();
-}
+MetricsHttp::~MetricsHttp() = default;
 
 const std::string& MetricsHttp::address() const { return impl_->address; }
 

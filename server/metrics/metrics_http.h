@@ -4,8 +4,8 @@
 // drain. It stays 200 while the journal fails, which its text says: reads and watches continue
 // then, and the next edit retries the journal.
 //
-// Its load is bounded: two threads, a few waiting connections, and per connection one request of a
-// few kilobytes in a few seconds. Request bodies are not read. Thread-safe.
+// Its load is bounded, and connections that say nothing delay no others (http_listener.h). Request
+// bodies are not read. Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
 #define DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
 

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -12,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/metrics/http_listener.h"
 #include "tests/server/metrics/http_get.h"
 
 namespace dynmesh::server {
@@ -22,7 +25,7 @@ class MetricsHttpTest : public ::testing::Test {
   void Listen(const std::string& address = "127.0.0.1:0") {
     auto http = MetricsHttp::Listen(address, {[this] {
                                                 ++scrapes_;
-                                                return std::string("figures 1\n");
+                                                return figures_;
                                               },
                                               [this] {
                                                 const std::lock_guard lock(mutex_);
@@ -40,6 +43,19 @@ class MetricsHttpTest : public ::testing::Test {
     return ParseHttp(SendHttp(http_->address(), bytes));
   }
 
+  // Silent clients.
+  std::vector<int> Connect(std::size_t count) const {
+    std::vector<int> sockets;
+    for (std::size_t i = 0; i < count; ++i) sockets.push_back(ConnectHttp(http_->address()));
+    return sockets;
+  }
+  // The server has not closed the connection, nor sent anything.
+  static bool IsOpen(int socket) {
+    char byte = 0;
+    return recv(socket, &byte, 1, MSG_DONTWAIT) < 0 && errno == EAGAIN;
+  }
+
+  std::string figures_ = "figures 1\n";  // set before requests
   std::atomic<int> scrapes_{0};
   std::mutex mutex_;
   std::string not_ready_;
@@ -163,6 +179,94 @@ TEST_F(MetricsHttpTest, ClientsThatSayNothingAreGivenUp) {
   done = true;
   drip.join();
   for (const int socket : silent) close(socket);
+}
+
+// Requests that waited for silent clients would be answered when all of these are closed.
+TEST_F(MetricsHttpTest, HealthIsAnsweredWhileManyConnectionsSayNothing) {
+  Listen();
+  bool is_open = false;
+  while (!is_open) {  // a machine that is slow enough closes them before
+    const std::vector<int> silent = Connect(64);
+    EXPECT_EQ(Get("/healthz").status, 200);
+    EXPECT_EQ(Get("/readyz").status, 200);
+    EXPECT_EQ(Get("/metrics").status, 200);
+    is_open = IsOpen(silent.back());
+    for (const int socket : silent) close(socket);
+  }
+}
+
+TEST_F(MetricsHttpTest, HealthIsAnsweredWhileManyConnectionsSendAByteNowAndThen) {
+  Listen();
+  bool is_open = false;
+  while (!is_open) {
+    const std::vector<int> slow = Connect(64);
+    std::atomic<bool> done{false};
+    std::thread drip([&] {
+      for (std::size_t i = 0; !done; ++i) {
+        (void)!send(slow[i % slow.size()], "G", 1, MSG_NOSIGNAL);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(Get("/healthz").status, 200);
+    is_open = IsOpen(slow.back());
+    done = true;
+    drip.join();
+    for (const int socket : slow) close(socket);
+  }
+}
+
+TEST_F(MetricsHttpTest, ANewConnectionTakesThePlaceOfTheOldestSilentOne) {
+  Listen();
+  constexpr std::size_t kMore = 30;
+  bool is_open = false;
+  while (!is_open) {
+    const std::vector<int> silent = Connect(HttpListener::kMostConnections + kMore);
+    EXPECT_EQ(Get("/healthz").status, 200);
+    for (std::size_t i = 0; i < kMore; ++i) {
+      char byte = 0;
+      EXPECT_LE(recv(silent[i], &byte, 1, 0), 0) << i;
+    }
+    is_open = IsOpen(silent.back());
+    for (const int socket : silent) close(socket);
+  }
+}
+
+TEST_F(MetricsHttpTest, HealthIsAnsweredWhileAnswersAreNotRead) {
+  figures_.assign(32 << 20, '1');  // more than the kernel takes for a client
+  Listen();
+  const std::string request = "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
+  bool is_open = false;
+  while (!is_open) {
+    const std::vector<int> deaf = Connect(8);
+    for (const int socket : deaf) {
+      ASSERT_EQ(send(socket, request.data(), request.size(), MSG_NOSIGNAL),
+                static_cast<ssize_t>(request.size()));
+    }
+    char byte = 0;
+    // The answers are there.
+    for (const int socket : deaf) ASSERT_EQ(recv(socket, &byte, 1, MSG_PEEK), 1);
+    EXPECT_EQ(Get("/healthz").status, 200);
+    std::vector<char> all(64 << 20);
+    // A connection that was given up brings less.
+    std::size_t got = 0;
+    for (ssize_t n; (n = recv(deaf.back(), all.data(), all.size(), 0)) > 0;) {
+      got += static_cast<std::size_t>(n);
+    }
+    is_open = got > figures_.size();
+    for (const int socket : deaf) close(socket);
+  }
+}
+
+// As some scrapers do: the answer's header tells them that the connection ends.
+TEST_F(MetricsHttpTest, AScrapeThatAsksForKeepAliveIsAnsweredAndClosed) {
+  Listen();
+  for (int i = 0; i < 3; ++i) {
+    const HttpAnswer answer =
+        Send("GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: keep-alive\r\n\r\n");
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.body, figures_);
+    EXPECT_NE(answer.headers.find("Connection: close"), std::string::npos) << answer.headers;
+  }
 }
 
 TEST_F(MetricsHttpTest, ItEndsAtOnceThoughConnectionsAreOpen) {
