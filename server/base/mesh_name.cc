@@ -107,6 +107,7 @@ absl::Status UnconfirmedError(absl::string_view id) {
 }
 
 absl::Status JournalError(const absl::Status& status, absl::string_view id) {
+  if (codec::GetServiceError(status).has_value()) return status;
   if (absl::IsNotFound(status)) return MeshDeletedError(id);
   if (absl::IsAborted(status)) return NotOwnerError(id);
   if (absl::IsUnknown(status)) {
@@ -126,8 +127,20 @@ absl::Status JournalError(const absl::Status& status, absl::string_view id) {
           MeshName(id),
           ": nothing was changed, since it could not be written to the journal: ", status.message(),
           may_pass ? "; see to the server's disk or database and try again"
-                   : "; restore the server's data folder or database"),
+          : absl::IsFailedPrecondition(status)
+              ? "; end any other process that writes to it, then restart the server"
+              : "; restore the server's data folder or database"),
       error);
+}
+
+absl::Status JournalReadError(const absl::Status& status, absl::string_view id) {
+  if (!absl::IsUnavailable(status) || codec::GetServiceError(status).has_value()) {
+    return JournalError(status, id);
+  }
+  return RetryError(codec::reason::kJournalFailed, id,
+                    absl::StrCat("could not be read from the journal: ", status.message(),
+                                 "; nothing was changed, try again"),
+                    kRetryJournal);
 }
 
 }  // namespace dynmesh::server

@@ -41,10 +41,13 @@ struct MeshOwner {
 absl::Status NotOwnerError(absl::string_view id, const MeshOwner& owner = {});
 // The same reason: this server may have the mesh, but has not confirmed it in time for a read.
 absl::Status UnconfirmedError(absl::string_view id);
-// Translates an error of the mesh's journal for clients: NOT_FOUND (MESH_DELETED), UNAVAILABLE
-// (JOURNAL_FAILED, with RetryInfo) if it may be temporary, NotOwnerError for ABORTED, UNAVAILABLE
-// (OUTCOME_UNKNOWN, with RetryInfo) for UNKNOWN, else DATA_LOSS (JOURNAL_FAILED).
+// Translates an error of writing to the mesh's journal for clients: NOT_FOUND (MESH_DELETED),
+// UNAVAILABLE (JOURNAL_FAILED, with RetryInfo) if it may be temporary, NotOwnerError for ABORTED,
+// UNAVAILABLE (OUTCOME_UNKNOWN, with RetryInfo) for UNKNOWN, else DATA_LOSS (JOURNAL_FAILED). An
+// error with details for clients, such as DRAINING, stays as it is.
 absl::Status JournalError(const absl::Status& status, absl::string_view id);
+// The same for reading a mesh that is to be opened, where nothing is to be written.
+absl::Status JournalReadError(const absl::Status& status, absl::string_view id);
 
 }  // namespace dynmesh::server
 

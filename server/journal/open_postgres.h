@@ -25,6 +25,10 @@ struct PostgresOptions {
   // leases that of an append is not looked for after the end of the mesh's, nor another one for
   // longer than a lease.
   absl::Duration resolve_for = absl::Seconds(60);
+  // A reader of a mesh that stopped, or is cut off, loses its transaction after this time: until
+  // then the database keeps old rows for it. One that computes for longer between two rows does
+  // not.
+  absl::Duration reading_idle = absl::Minutes(1);
   // > 0: several servers use the database, each with such leases of its meshes. 0: this one has all
   // meshes, and takes them from any other.
   absl::Duration lease = absl::ZeroDuration();

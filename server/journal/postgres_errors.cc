@@ -43,7 +43,7 @@ Failure FailureOf(absl::string_view sqlstate, absl::string_view message) {
   if (sqlstate == "XX001" || sqlstate == "XX002") return {absl::DataLossError(text)};
   // Connection exceptions, an unknown completion, a shutdown or a crash, an internal error, or no
   // code at all.
-  for (const char* state : {"08", "40003", "57P01", "57P02", "57P03", "57P05", "XX"}) {
+  for (const char* state : {"08", "40003", "57P01", "57P02", "57P03", "57P05", "25P03", "XX"}) {
     if (absl::StartsWith(sqlstate, state)) return ConnectionLost(text);
   }
   if (sqlstate.empty()) return ConnectionLost(OneLine(message));
@@ -55,8 +55,13 @@ Failure FailureOf(absl::string_view sqlstate, absl::string_view message) {
 }
 
 Failure ConnectionLost(absl::string_view message) {
+  // The library has no code for it.
+  const bool idle = absl::StrContains(message, "idle-in-transaction timeout");
   return {absl::UnavailableError(
-              absl::StrCat("the connection to the database was lost: ", OneLine(message))),
+              absl::StrCat(idle ? "the database ended a transaction, as this server did not go on "
+                                  "with it in time: it was stopped, or had no processor time: "
+                                : "the connection to the database was lost: ",
+                           OneLine(message))),
           true};
 }
 

@@ -282,14 +282,14 @@ absl::Status PostgresJournal::Delete(Key mesh) {
 absl::Status PostgresJournal::Read(Key mesh, const Visitor& visitor) {
   absl::StatusOr<postgres::Pool::Lease> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
-  return postgres::ReadMesh(**session, mesh, visitor);
+  return postgres::ReadMesh(**session, mesh, options_.reading_idle, visitor);
 }
 
 absl::Status PostgresJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                                        const Visitor& visitor) {
   absl::StatusOr<postgres::Pool::Lease> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
-  return postgres::ReadPastOf(**session, mesh, from, to, visitor);
+  return postgres::ReadPastOf(**session, mesh, options_.reading_idle, from, to, visitor);
 }
 
 absl::StatusOr<std::uint64_t> PostgresJournal::Oldest(Key mesh) {

@@ -7,12 +7,11 @@
 #include "absl/strings/str_cat.h"
 #include "server/journal/journal_errors.h"
 #include "server/journal/mesh_reading.h"
+#include "server/journal/postgres_keep_alive.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
 namespace {
-
-constexpr char kBegin[] = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
 
 // At once, of rows of some hundred bytes.
 constexpr std::size_t kSmallRows = 2'048;
@@ -56,7 +55,8 @@ class Rows {
 // One mesh, in a transaction. Call Find first.
 class MeshReader {
  public:
-  MeshReader(Session& session, Journal::Key mesh) : session_(session), mesh_(mesh) {}
+  MeshReader(Session& session, KeepAlive& keeper, Journal::Key mesh)
+      : session_(session), keeper_(keeper), mesh_(mesh) {}
 
   absl::Status Find() {
     const Answer found = session_.Run(
@@ -102,7 +102,7 @@ class MeshReader {
                    absl::string_view(request.answer)) != answer.Integer(row, 1)) {
         return errors().Damaged(absl::StrCat("the answer to request ", request.id));
       }
-      return visitor.request(request);
+      return keeper_.While([&] { return visitor.request(request); });
     });
   }
 
@@ -125,7 +125,8 @@ class MeshReader {
                 absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
           }
           ++parts;
-          return visitor.snapshot(static_cast<std::uint64_t>(revision), data);
+          return keeper_.While(
+              [&] { return visitor.snapshot(static_cast<std::uint64_t>(revision), data); });
         });
     if (!status.ok()) return status;
     if (!count.empty() && parts == count.Integer(0, 0)) return absl::OkStatus();
@@ -149,7 +150,7 @@ class MeshReader {
           if (RowSumOf(mesh_, last, absl::string_view(entry.data)) != answer.Integer(row, 1)) {
             return errors().Damaged(absl::StrCat("the entry of revision ", last));
           }
-          return visitor.entry(entry);
+          return keeper_.While([&] { return visitor.entry(entry); });
         });
     if (!status.ok()) return status;
     if (last == to) return absl::OkStatus();
@@ -158,15 +159,26 @@ class MeshReader {
 
  private:
   Session& session_;
+  KeepAlive& keeper_;
   const Journal::Key mesh_;
   std::string id_;
   std::int64_t snapshot_ = 0, head_ = 0;
 };
 
-// Runs `read` in a transaction that sees one state.
-absl::Status InOneState(Session& session, const std::function<absl::Status()>& read) {
-  if (const Answer begun = session.Execute(kBegin); !begun.status.ok()) return begun.status;
-  absl::Status status = read();
+// Runs `read` in a transaction that sees one state. It has no locks of rows, so it has a limit of
+// its own, whatever the lease.
+absl::Status InOneState(Session& session, absl::Duration idle,
+                        const std::function<absl::Status(KeepAlive&)>& read) {
+  const Answer begun =
+      session.Execute(absl::StrCat("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY; "
+                                   "SET LOCAL idle_in_transaction_session_timeout = ",
+                                   absl::ToInt64Milliseconds(idle)));
+  if (!begun.status.ok()) return begun.status;
+  absl::Status status;
+  {
+    KeepAlive keeper(session, idle / 4);
+    status = read(keeper);
+  }
   if (session.usable()) {
     absl::Status ended = session.Execute("ROLLBACK").status;
     if (status.ok()) status = std::move(ended);
@@ -198,17 +210,18 @@ absl::StatusOr<std::vector<Journal::Mesh>> ListMeshes(Session& session) {
   return meshes;
 }
 
-absl::Status ReadMesh(Session& session, Journal::Key mesh, const Journal::Visitor& visitor) {
-  return InOneState(session, [&]() -> absl::Status {
-    MeshReader reader(session, mesh);
+absl::Status ReadMesh(Session& session, Journal::Key mesh, absl::Duration idle,
+                      const Journal::Visitor& visitor) {
+  return InOneState(session, idle, [&](KeepAlive& keeper) {
+    MeshReader reader(session, keeper, mesh);
     return ReadNewest(reader, visitor);
   });
 }
 
-absl::Status ReadPastOf(Session& session, Journal::Key mesh, std::uint64_t from, std::uint64_t to,
-                        const Journal::Visitor& visitor) {
-  return InOneState(session, [&]() -> absl::Status {
-    MeshReader reader(session, mesh);
+absl::Status ReadPastOf(Session& session, Journal::Key mesh, absl::Duration idle,
+                        std::uint64_t from, std::uint64_t to, const Journal::Visitor& visitor) {
+  return InOneState(session, idle, [&](KeepAlive& keeper) {
+    MeshReader reader(session, keeper, mesh);
     return ReadRange(reader, from, to, visitor);
   });
 }

@@ -134,7 +134,7 @@ absl::Status Followers::LookUp(const FollowerPtr& follower, bool* is_free) {
   if (absl::IsNotFound(place.status())) {
     return MeshNotFoundError(follower->id);
   }
-  if (!place.ok()) return JournalError(place.status(), follower->id);
+  if (!place.ok()) return JournalReadError(place.status(), follower->id);
   *is_free = place->is_mine || place->left <= absl::ZeroDuration();
   if (*is_free) return absl::OkStatus();
   const MeshOwner owner{place->address, place->epoch};

@@ -129,14 +129,14 @@ void MeshOpener::Step(const std::string& id) {
     }
   }
   for (const Waiter& waiter : answered) waiter.done(found.answer);
-  for (const auto& [other, waiter] : failed) waiter.done(JournalError(found.failure, other));
+  for (const auto& [other, waiter] : failed) waiter.done(JournalReadError(found.failure, other));
 }
 
 MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, const Opening& before) {
   const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
   if (absl::IsNotFound(place.status())) return {MeshNotFoundError(id)};
   if (!place.ok()) {
-    Found found{JournalError(place.status(), id)};
+    Found found{JournalReadError(place.status(), id)};
     found.failure = place.status();
     return found;
   }

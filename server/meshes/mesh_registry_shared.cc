@@ -225,7 +225,7 @@ absl::StatusOr<Journal::Key> MeshRegistry::KeyElsewhere(const std::string& id) c
   if (shared_ == nullptr) return missing;
   const absl::StatusOr<SharedJournal::Place> place = shared_->Locate(id);
   if (absl::IsNotFound(place.status())) return missing;
-  if (!place.ok()) return JournalError(place.status(), id);
+  if (!place.ok()) return JournalReadError(place.status(), id);
   if (place->is_mine || place->left <= absl::ZeroDuration()) return place->mesh.key;
   return NotOwnerError(id, {place->address, place->epoch});
 }
@@ -275,7 +275,15 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Me
   if (found.ok()) return Put(mesh, *std::move(found), start);
   const absl::Status& why = found.status();
   if (absl::IsAborted(why)) return why;
-  if (absl::IsUnavailable(why) || absl::IsNotFound(why)) return JournalError(why, mesh.id);
+  if (absl::IsNotFound(why)) return JournalError(why, mesh.id);
+  if (absl::IsUnavailable(why)) {
+    Log(LogLevel::kWarning, "not_opened",
+        {{"mesh", mesh.id},
+         {"error", why.message()},
+         {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)},
+         {"message", "it is read again at the next call"}});
+    return JournalReadError(why, mesh.id);
+  }
   Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", why.message()}});
   const absl::Status damage = DamageOf(mesh.id, why);
   const std::lock_guard lock(mutex_);
