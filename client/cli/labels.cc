@@ -156,8 +156,9 @@ void AddMarkersFlag(CLI::App& command, std::string& text) {
       .add_option("--markers", text,
                   "Markers of .node, .edge, .face, .poly, .smesh, .msh and .mesh: ids of features "
                   "(owners: of a .node on Steiner points, too), or the input's, which Steiner "
-                  "points inherit; then 1 is the border's, and the attribute of a triangle or "
-                  "tetrahedron is that of its region (default: ids; a .vtu has both)")
+                  "points inherit; then 1 is the border's, and a triangle or tetrahedron has the "
+                  "attribute of its region, else the marker of its polygon (default: ids; a .vtu "
+                  "has both)")
       ->type_name("ids|owners|input");
 }
 

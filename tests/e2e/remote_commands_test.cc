@@ -157,7 +157,7 @@ TEST_F(RemoteCommandsTest, ExportAndWatchTakePolygonsOnly) {
   EXPECT_GT(inside, 1);
   EXPECT_LT(inside, count({}));
   EXPECT_EQ(count({"--region", "any"}), inside);
-  ASSERT_EQ(Remote({"create", "bare"}).code, kExitDone);
+  ASSERT_EQ(Remote({"create", "bare", "--box", "0,0,1,1"}).code, kExitDone);
   const Ran bare = Remote({"export", "bare", "-o", Path("bare.node"), "--region", "any"});
   EXPECT_EQ(bare.code, kExitBadInput);
   EXPECT_NE(bare.err.find("the mesh has no polygons"), std::string::npos) << bare.err;

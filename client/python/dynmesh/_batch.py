@@ -18,8 +18,8 @@ _FORMS = {
     "points": "{1: (0.2, 0.3), 2: (0.8, 0.3)} or ([1, 2], [[0.2, 0.3], [0.8, 0.3]]), in 3D with z",
     "segments": "{10: (1, 2), 11: (2, 3)} or ([10, 11], [[1, 2], [2, 3]]), of ids of points",
     "polygons": "{20: (1, 2, 3)} or, with a hole, {20: [(1, 2, 3), (4, 5, 6)]}, of ids of points",
-    "sizes": "{30: dict(target=0.01, at=(0.5, 0.5), radius=0.1)}; other members are low= and high=, "
-             "rings=, or path= with radius=",
+    "sizes": "{30: dict(target=0.01, at=(0.5, 0.5), radius=0.1)}; other members are low= and "
+             "high=, rings=, or path= with radius=",
     "labels": "{10: dict(marker=3, name='wall')}, dynmesh.Label or None",
     "remove": "[1, 2, 10]",
 }
@@ -85,7 +85,7 @@ def _columns(value: Any, what: str, width: int, of: str) -> tuple[Array, Array]:
     except ValueError:  # rows of several lengths
         array = np.empty(0, object)
     if ids.ndim != 1:
-        raise TypeError(_expected(what, text=f"ids are a list, and got an array of {ids.ndim} axes"))
+        raise TypeError(_expected(what, text=f"ids are a list, and got {ids.ndim} axes"))
     if array.dtype.kind not in "fiu" or array.shape != (len(ids), width):
         if not len(ids) and not array.size:
             return ids, array.reshape(0, width)
@@ -146,7 +146,8 @@ def _rings(value: Any, what: str, feature: int) -> list[list[int]]:
         for corner in ring if isinstance(ring, list) else [ring]:
             if not isinstance(corner, numbers.Integral) or isinstance(corner, bool):
                 is_place = isinstance(corner, numbers.Real)
-                refuse(f"has corners that are ids of points, whole numbers, and got {_shown(corner)}"
+                refuse("has corners that are ids of points, whole numbers, and got "
+                       f"{_shown(corner)}"
                        + (": add its points first, with ids, and name these" if is_place else ""))
         if not isinstance(ring, list):
             refuse(f"has rings and single corners side by side in {_shown(value)}")
@@ -213,8 +214,8 @@ def _sizes(batch: Any, action: str, value: Any, what: str) -> None:
                 with_it = f" with `{key}`" if key else ""
                 raise ValueError(_expected(what, text=f"{feature}{with_it} has no {needs[0]}"))
         if not {"at", "low", "rings", "path"} & set(members):
-            raise ValueError(_expected(what, text=f"{feature} has no place: `at`, `low` and `high`, "
-                                                  "`rings` or `path`"))
+            raise ValueError(_expected(what, text=f"{feature} has no place: `at`, `low` and "
+                                                  "`high`, `rings` or `path`"))
         batch.size(action, feature, members)
 
 
@@ -237,8 +238,8 @@ def _label(value: Any, what: str, feature: int) -> Label:
     label = Label(**value)
     if (not isinstance(label.marker, numbers.Integral)
             or not -2**63 <= int(label.marker) < 2**63):
-        raise TypeError(_expected(what, text=f"{feature} has a whole number as marker, from -2^63 to "
-                                             f"2^63 - 1, and got {_shown(label.marker)}"))
+        raise TypeError(_expected(what, text=f"{feature} has a whole number as marker, from -2^63 "
+                                             f"to 2^63 - 1, and got {_shown(label.marker)}"))
     if not isinstance(label.name, str):
         raise TypeError(_expected(what, text=f"{feature} has a text as name, and got "
                                              f"{_shown(label.name)}"))

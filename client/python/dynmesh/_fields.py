@@ -27,8 +27,8 @@ def check_kind(kind: Any) -> None:
     hint = near.get(kind.lower()) if isinstance(kind, str) else None
     raise ValueError(f"kind: there is no kind {kind!r}"
                      + (f": {hint!r} is meant?" if hint else "")
-                     + "; there are 'P1' (values at vertices), 'P0' (means of cells), 'DG1' (values "
-                     "at the corners of cells), 'overlap' (rows of cells), or a function")
+                     + "; there are 'P1' (values at vertices), 'P0' (means of cells), 'DG1' "
+                     "(values at the corners of cells), 'overlap' (rows of cells), or a function")
 
 
 def is_any_dtype(kind: Any) -> bool:
@@ -81,8 +81,8 @@ def check_values(what: str, u: Array, kind: Any, dimension: int) -> None:
     if kind == "DG1":
         width = dimension + 1
         if not axes or axes[0] != width:
-            raise ValueError(f"{what}: kind 'DG1' has {width} values for each cell, in the order of "
-                             f"mesh.cells: its shape begins with (slots, {width}), and got "
+            raise ValueError(f"{what}: kind 'DG1' has {width} values for each cell, in the order "
+                             f"of mesh.cells: its shape begins with (slots, {width}), and got "
                              f"{u.shape}")
         axes = axes[1:]
     if len(axes) > 1:
@@ -204,9 +204,9 @@ class Fields(Mapping[str, Array]):
         with self._mesh.locked():
             view = self[name]
             if self._fields[name].is_past(array):
-                raise ValueError(f"fields[{name!r}]: the array is that of an earlier revision, since "
-                                 "another thread has edited the mesh meanwhile: change fields under "
-                                 "`with mesh.locked():`")
+                raise ValueError(f"fields[{name!r}]: the array is that of an earlier revision: it "
+                                 "was taken before an edit; beside edits of other threads change "
+                                 "fields under `with mesh.locked():`")
             if array.shape not in ((), view.shape):
                 raise ValueError(f"fields[{name!r}]: the field has the shape {view.shape}, the "
                                  f"values {array.shape}; a single number sets all rows")

@@ -76,9 +76,9 @@ class Mesh:
     `regions`.
 
     Thread-safe. Edits of several threads are applied one after another. A reader sees the revision
-    before an edit or that after it; `locate` and `features` wait for an edit that is under way. What
-    has to be of one revision is read under `with mesh.locked():`, which excludes edits of other
-    threads. From a `progress` callback of an edit the mesh before the edit can be read; what needs
+    before an edit or that after it; `locate` and `features` wait for an edit that is under way.
+    What has to be of one revision is read under `with mesh.locked():`, which excludes edits of
+    other threads. From a `progress` callback of an edit the mesh before the edit can be read; what needs
     the mesher (edits, `locate`, `features`) raises `FailedPrecondition` there.
     """
 

@@ -15,7 +15,8 @@
 // Without these comments, attributes of simplices are ignored. Names of features are comments, too.
 //
 // If the mesh's labels replace ids, markers are the input's and the attribute of a simplex is that
-// of its region. A comment says so; such files are read as if they had no markers.
+// of its region; where regions have none, the marker of region_labels.h, if any has one. A comment
+// says so; such files are read as if they had no markers.
 #ifndef DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 #define DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
 

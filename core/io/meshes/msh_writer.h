@@ -20,12 +20,14 @@ namespace dynmesh::io {
 // region.
 //
 // Feature ids have 64 bits, so they are in the names of physical groups: "feature 30", "box".
-// Surfaces (3D: volumes) have "domain", "polygon 12" and "polygons 12 40"; each is a separate
-// group. Readers take at most 127 characters. A longer list is in a $Comments section, which they
-// skip: "region 3: polygons 12 40 ..."; the group is then "region 3", by the region's number. The
-// other groups' tags are the references of references.h; points, curves and surfaces of features
-// have the same numbers as their group. INVALID_ARGUMENT if there are too many rows; UNAVAILABLE,
-// naming the path, if it cannot be written.
+// Surfaces (3D: volumes) have "domain", "polygon 12" and "polygons 12 40", or the name of their
+// polygon (region_labels.h); each name is a group. No two groups have one name (msh_groups.h): in
+// 3D the edges of polygon 30 are "feature 30 edges". Readers take at most 127 characters. A longer
+// list is in a $Comments section, which they skip: "region 3: polygons 12 40 ..."; the group is
+// then "region 3", by the region's number. The other groups' tags are the references of
+// references.h; points, curves and surfaces of features have the same numbers as their group.
+// INVALID_ARGUMENT if there are too many rows; UNAVAILABLE, naming the path, if it cannot be
+// written.
 // A mesh with midpoints (order 2) has elements of order 2.
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
 

@@ -23,7 +23,8 @@ namespace dynmesh::io {
 //               subfacets are NaN or 0.
 // If the mesh has labels, whether or not they replace ids:
 //   point data  marker; attribute: those of vertices
-//   cell data   marker: of subfacets; of simplices that of region_labels.h; attribute: of regions, 0 of subfacets
+//   cell data   marker: of subfacets, of simplices that of region_labels.h; attribute: of regions,
+//               0 of subfacets
 //   field data  an array by the name of each name, with the ids of the features that have it
 // If there are regions, with the numbers of region_numbers.h:
 //   cell data   region: its number, 0 in no polygon
