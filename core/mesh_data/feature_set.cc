@@ -55,12 +55,22 @@ absl::Status FeatureSet::Apply(const EditBatch& batch) {
   return absl::OkStatus();
 }
 
+std::vector<const Feature*> FeatureSet::Ordered() const {
+  // With the ids beside them, a comparison reads no feature.
+  std::vector<std::pair<FeatureId, const Feature*>> by_id;
+  by_id.reserve(features_.size());
+  for (const auto& [id, feature] : features_) by_id.emplace_back(id, &feature);
+  std::sort(by_id.begin(), by_id.end());
+  std::vector<const Feature*> ordered;
+  ordered.reserve(by_id.size());
+  for (const auto& [id, feature] : by_id) ordered.push_back(feature);
+  return ordered;
+}
+
 std::vector<Feature> FeatureSet::Sorted() const {
   std::vector<Feature> sorted;
   sorted.reserve(features_.size());
-  for (const auto& [id, feature] : features_) sorted.push_back(feature);
-  std::sort(sorted.begin(), sorted.end(),
-            [](const Feature& a, const Feature& b) { return a.id < b.id; });
+  for (const Feature* feature : Ordered()) sorted.push_back(*feature);
   return sorted;
 }
 

@@ -2,7 +2,7 @@
 // sets.
 //
 // Validates only what keeps it a set: for features that a mesh has accepted. Costs: an edit O(1),
-// Sorted O(n log n), EditsBetween O(n). A value; thread-compatible.
+// Sorted and Ordered O(n log n), EditsBetween O(n). A value; thread-compatible.
 #ifndef DYNMESH_CORE_MESH_DATA_FEATURE_SET_H_
 #define DYNMESH_CORE_MESH_DATA_FEATURE_SET_H_
 
@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
+#include "absl/container/node_hash_map.h"
 #include "absl/status/status.h"
 #include "dynmesh/feature.h"
 
@@ -24,9 +24,12 @@ class FeatureSet {
 
   std::size_t size() const { return features_.size(); }
   std::vector<Feature> Sorted() const;  // by id
+  // The same without a copy: the features of this set, valid until it changes.
+  std::vector<const Feature*> Ordered() const;
 
  private:
-  absl::flat_hash_map<FeatureId, Feature> features_;
+  // A table of the features themselves would be twice as large, and thrice while it grows.
+  absl::node_hash_map<FeatureId, Feature> features_;
 };
 
 // The batch that turns `from` into `to`, both by ascending id: removes, sets, adds and edits of

@@ -41,6 +41,38 @@ std::uint32_t DecodeBits(const Message& message) {
   return message.bits() == 0 ? 1 : message.bits();
 }
 
+class SnapshotParts {
+ public:
+  SnapshotParts(const MeshHash& hash, int dimension, std::uint32_t bits)
+      : hash_(hash.ToHex()), dimension_(dimension), bits_(bits) {}
+
+  void Add(const Feature& feature) {
+    EncodeFeature(feature, dimension_, proto_.add_features());
+    bytes_ += proto_.features(proto_.features_size() - 1).ByteSizeLong();
+    if (bytes_ >= kPartBytes) Close();
+  }
+  std::vector<std::string> Take() {
+    if (bytes_ > 0 || parts_.empty()) Close();
+    return std::move(parts_);
+  }
+
+ private:
+  void Close() {
+    proto_.set_hash(hash_);
+    proto_.set_bits(bits_);
+    parts_.push_back(proto_.SerializeAsString());
+    proto_.Clear();
+    bytes_ = 0;
+  }
+
+  const std::string hash_;
+  const int dimension_;
+  const std::uint32_t bits_;
+  std::vector<std::string> parts_;
+  v1::JournalSnapshot proto_;
+  std::size_t bytes_ = 0;
+};
+
 }  // namespace
 
 std::string EncodeJournalMesh(const JournalMesh& mesh) {
@@ -88,23 +120,20 @@ absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int di
 std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
                                                const MeshHash& hash, int dimension,
                                                std::uint32_t bits) {
-  std::vector<std::string> parts;
-  v1::JournalSnapshot proto;
-  std::size_t bytes = 0;
-  const auto close = [&] {
-    proto.set_hash(hash.ToHex());
-    proto.set_bits(bits);
-    parts.push_back(proto.SerializeAsString());
-    proto.Clear();
-    bytes = 0;
-  };
-  for (const Feature& feature : features) {
-    EncodeFeature(feature, dimension, proto.add_features());
-    bytes += proto.features(proto.features_size() - 1).ByteSizeLong();
-    if (bytes >= kPartBytes) close();
+  SnapshotParts parts(hash, dimension, bits);
+  for (const Feature& feature : features) parts.Add(feature);
+  return parts.Take();
+}
+
+std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature* const> features,
+                                               const MeshHash& hash, int dimension,
+                                               const std::atomic<bool>& cancelled) {
+  SnapshotParts parts(hash, dimension, kMeshBits);
+  for (const Feature* feature : features) {
+    if (cancelled.load(std::memory_order_relaxed)) break;
+    parts.Add(*feature);
   }
-  if (bytes > 0 || parts.empty()) close();
-  return parts;
+  return parts.Take();
 }
 
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out) {

@@ -3,6 +3,7 @@
 #ifndef DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
 #define DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -38,6 +39,11 @@ absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int di
 std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
                                                const MeshHash& hash, int dimension,
                                                std::uint32_t bits = kMeshBits);
+// The same of features that lie elsewhere. Stops soon after `cancelled` turned true; then what it
+// returns is of no use.
+std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature* const> features,
+                                               const MeshHash& hash, int dimension,
+                                               const std::atomic<bool>& cancelled);
 // Appends a part's features to `out` as edits that add them.
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out);
 

@@ -34,6 +34,7 @@
 #ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 #define DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -146,11 +147,19 @@ class Journal {
   // The earliest `from` that ReadPast accepts.
   virtual absl::StatusOr<std::uint64_t> Oldest(Key mesh) = 0;
 
-  // Begins a generation with `parts`, a snapshot at `revision`, which must be the last one. Other
-  // calls run in between. At most one call at a time per mesh. Needs the claim, too. After
-  // UNAVAILABLE the generation may be there: no reader can tell, and the call can be repeated.
+  // Begins a generation with `parts`, a snapshot at `revision`: later than the newest snapshot, and
+  // at most the last revision. The entries after it belong to the new generation. Other calls run
+  // in between, also appends to the mesh. At most one call at a time per mesh. Needs the claim,
+  // too. After UNAVAILABLE the generation may be there: no reader can tell, and the call can be
+  // repeated. CANCELLED soon after `cancelled` turned true, with no effect that a reader sees.
   virtual absl::Status Compact(Key mesh, std::uint64_t revision,
-                               const std::vector<std::string>& parts) = 0;
+                               const std::vector<std::string>& parts,
+                               const std::atomic<bool>& cancelled) = 0;
+  // The same to its end.
+  absl::Status Compact(Key mesh, std::uint64_t revision, const std::vector<std::string>& parts) {
+    const std::atomic<bool> never(false);
+    return Compact(mesh, revision, parts, never);
+  }
 };
 
 }  // namespace dynmesh::server

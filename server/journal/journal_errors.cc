@@ -16,10 +16,14 @@ absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last) {
       absl::StrCat("revision ", revision, " does not follow the journal's ", last));
 }
 
-absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last) {
+absl::Status NoSnapshotAt(std::uint64_t revision) {
   return absl::FailedPreconditionError(
-      absl::StrCat("revision ", revision, " is not the journal's last, which is ", last));
+      absl::StrCat("revision ", revision,
+                   " is not between the newest snapshot and the last "
+                   "revision of the journal"));
 }
+
+absl::Status SnapshotEnded() { return absl::CancelledError("the snapshot is not wanted any more"); }
 
 absl::Status RowsMissing(absl::string_view id) {
   return absl::FailedPreconditionError(

@@ -11,9 +11,12 @@ namespace dynmesh::server {
 
 absl::Status NoSuchMesh();                      // NOT_FOUND
 absl::Status MeshExists(absl::string_view id);  // ALREADY_EXISTS
-// FAILED_PRECONDITION: entries follow the last one; a snapshot is of the last revision.
+// FAILED_PRECONDITION: entries follow the last one; a snapshot is of a revision after the newest
+// one's, up to the last.
 absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last);
-absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last);
+absl::Status NoSnapshotAt(std::uint64_t revision);
+// CANCELLED: a snapshot.
+absl::Status SnapshotEnded();
 
 // FAILED_PRECONDITION: of a mesh that is copied, rows that were written are not there.
 absl::Status RowsMissing(absl::string_view id);

@@ -3,56 +3,15 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/mesh_data/feature_set.h"
-#include "proto/codec/journal_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/mesh_name.h"
+#include "server/journal/past_features.h"
 #include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
 namespace {
 
 constexpr char kAdvice[] = "ask for one that is";
-
-// Collects the features from the journal, up to a revision.
-class Past {
- public:
-  Past(int dimension, const MeshHash& empty, const std::atomic<bool>* cancelled)
-      : dimension_(dimension), cancelled_(cancelled), hash_(empty) {}
-
-  absl::Status AddPart(std::uint64_t revision, const std::string& part) {
-    codec::JournalEntry snapshot;
-    absl::Status status = codec::DecodeJournalSnapshot(part, dimension_, &snapshot);
-    return status.ok() ? Take(revision, snapshot) : status;
-  }
-  absl::Status Apply(const Journal::Entry& entry) {
-    const auto batch = codec::DecodeJournalEntry(entry.data, dimension_);
-    return batch.ok() ? Take(entry.revision, *batch) : batch.status();
-  }
-  FeaturesAt Features() const { return {revision_, hash_, features_.Sorted()}; }
-  std::uint32_t bits() const { return bits_; }
-
- private:
-  absl::Status Take(std::uint64_t revision, const codec::JournalEntry& entry) {
-    if (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed)) {
-      return absl::CancelledError("the call was cancelled: nothing changed");
-    }
-    if (absl::Status s = features_.Apply(entry.edits); !s.ok()) {
-      return absl::DataLossError(absl::StrCat("revision ", revision, ": ", s.message()));
-    }
-    revision_ = revision;
-    hash_ = entry.hash;
-    bits_ = entry.bits;
-    return absl::OkStatus();
-  }
-
-  const int dimension_;
-  const std::atomic<bool>* const cancelled_;
-  mesh_data::FeatureSet features_;
-  std::uint64_t revision_ = 0;
-  MeshHash hash_;
-  std::uint32_t bits_ = kMeshBits;
-};
 
 }  // namespace
 
@@ -67,11 +26,11 @@ absl::StatusOr<MeshHistory::Span> MeshHistory::Between(std::uint64_t from, std::
                                                        const Head& head,
                                                        const std::atomic<bool>* cancelled) const {
   if (from > head.revision) return FutureRevision(from, head, std::nullopt, kAdvice);
-  Past past(dimension_, empty_, cancelled);
+  PastFeatures past(dimension_, empty_, cancelled);
   Span span;
   bool begun = false;
   const auto begin = [&] {
-    span.from = past.Features();
+    span.from = past.Copy();
     span.from_bits = past.bits();
     begun = true;
   };
@@ -87,7 +46,7 @@ absl::StatusOr<MeshHistory::Span> MeshHistory::Between(std::uint64_t from, std::
     return ErrorOf(s, from, head);
   }
   if (!begun) begin();
-  if (from < to) span.to = past.Features();
+  if (from < to) span.to = past.Copy();
   return span;
 }
 

@@ -1,6 +1,7 @@
 #include "server/journal/mesh_log.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,11 @@
 #include "server/base/mesh_name.h"
 
 namespace dynmesh::server {
+namespace {
+
+std::int64_t Milliseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e3); }
+
+}  // namespace
 
 MeshLog::MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension,
                  const Sizes& sizes, const Limits& limits)
@@ -17,18 +23,18 @@ MeshLog::MeshLog(Journal* journal, Journal::Key key, std::string id, int dimensi
       id_(std::move(id)),
       dimension_(dimension),
       limits_(limits),
-      sizes_(sizes) {}
+      book_(std::make_shared<Book>(id_)) {
+  book_->sizes = sizes;
+}
 
 absl::Status MeshLog::Append(std::span<const Batch> batches) {
   std::vector<Journal::Entry> entries;
   std::vector<Journal::Request> requests;
-  Sizes sizes = sizes_;
   for (const Batch& batch : batches) {
     const RequestMemory::Entry& answer = batch.answer;
     if (answer.from_revision != answer.to_revision) {
       entries.push_back(
           {answer.to_revision, codec::EncodeJournalEntry(*batch.edits, answer.hash, dimension_)});
-      sizes.Add(answer.to_revision, entries.back().data.size(), answer.work);
     }
     if (!batch.request_id.empty()) {
       requests.push_back(
@@ -42,18 +48,25 @@ absl::Status MeshLog::Append(std::span<const Batch> batches) {
     owns_ = OutcomeOf(status) == AppendOutcome::kRefused;
     return JournalError(status, id_);
   }
-  sizes_ = sizes;
+  const std::lock_guard lock(book_->mutex);
+  auto entry = entries.begin();
+  for (const Batch& batch : batches) {
+    if (batch.answer.from_revision == batch.answer.to_revision) continue;
+    book_->sizes.Add(entry->revision, entry->data.size(), batch.answer.work);
+    book_->last = entry->revision;
+    ++entry;
+  }
   return absl::OkStatus();
 }
 
-bool MeshLog::IsDue(const DynamicMesh& mesh) const {
-  if (sizes_.entries < 2 * failed_at_) return false;
-  if (sizes_.entries > std::max(limits_.bytes, sizes_.snapshot)) return true;
-  return sizes_.operations > limits_.operations && sizes_.operations > 2 * mesh.Stats().operations;
+void MeshLog::SawEntry(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
+  const std::lock_guard lock(book_->mutex);
+  book_->sizes.Add(revision, bytes, work);
 }
 
-void MeshLog::CompactIfDue(const DynamicMesh& mesh) {
-  if (IsDue(mesh)) Compact(mesh);
+void MeshLog::SawSnapshot(std::uint64_t bytes) {
+  const std::lock_guard lock(book_->mutex);
+  book_->sizes = {.snapshot = bytes};
 }
 
 absl::Status MeshLog::AppendOtherBits(const DynamicMesh& mesh) {
@@ -64,26 +77,97 @@ absl::Status MeshLog::AppendOtherBits(const DynamicMesh& mesh) {
   batch.answer.to_revision = mesh.revision();
   batch.answer.hash = mesh.hash();
   if (absl::Status status = Append({&batch, 1}); !status.ok()) return status;
-  Compact(mesh);
+  // By this thread: clients wait for the mesh.
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  Snapshots::Made made;
+  const std::vector<Feature> features = mesh.Features();
+  made.take = seconds();
+  const std::vector<std::string> parts =
+      codec::EncodeJournalSnapshot(features, mesh.hash(), dimension_);
+  made.encode = seconds() - made.take;
+  for (const std::string& part : parts) made.bytes += part.size();
+  made.status = journal_->Compact(key_, mesh.revision(), parts, *book_->ended);
+  made.write = seconds() - made.take - made.encode;
+  Sizes then;
+  {
+    const std::lock_guard lock(book_->mutex);
+    then = book_->sizes;
+  }
+  Take(*book_, then, mesh.revision(), made);
   return absl::OkStatus();
 }
 
-void MeshLog::Compact(const DynamicMesh& mesh) {
-  const std::vector<std::string> parts =
-      codec::EncodeJournalSnapshot(mesh.Features(), mesh.hash(), dimension_);
-  if (absl::Status status = journal_->Compact(key_, mesh.revision(), parts); !status.ok()) {
-    Log(LogLevel::kWarning, "compact_failed", {{"mesh", id_}, {"error", status.message()}});
-    failed_at_ = sizes_.entries;
-    return;
+// ------------------------------------------------------------------ snapshots
+
+bool MeshLog::IsDue(const DynamicMesh& mesh) const {
+  const std::lock_guard lock(book_->mutex);
+  const Sizes& sizes = book_->sizes;
+  if (book_->making || book_->last == 0 || sizes.entries < 2 * book_->failed_at) return false;
+  if (sizes.entries > std::max(limits_.bytes, sizes.snapshot)) return true;
+  return sizes.operations > limits_.operations && sizes.operations > 2 * mesh.Stats().operations;
+}
+
+bool MeshLog::needs_features() const {
+  const std::lock_guard lock(book_->mutex);
+  return book_->unreadable;
+}
+
+void MeshLog::OrderSnapshot(Snapshots& snapshots) { Order(snapshots, std::nullopt); }
+
+void MeshLog::OrderSnapshot(Snapshots& snapshots, const DynamicMesh& mesh) {
+  Order(snapshots, FeaturesAt{mesh.revision(), mesh.hash(), mesh.Features()});
+}
+
+void MeshLog::Order(Snapshots& snapshots, std::optional<FeaturesAt> features) {
+  Snapshots::Order order;
+  Sizes then;
+  {
+    const std::lock_guard lock(book_->mutex);
+    book_->making = true;
+    order.revision = book_->last;
+    then = book_->sizes;
   }
-  Log(LogLevel::kInfo, "compacted",
-      {{"mesh", id_},
-       {"revision", mesh.revision()},
-       {"entry_bytes", sizes_.entries},
-       {"operations", sizes_.operations}});
-  sizes_ = {};
-  failed_at_ = 0;
-  for (const std::string& part : parts) sizes_.snapshot += part.size();
+  order.key = key_;
+  order.dimension = dimension_;
+  order.features = std::move(features);
+  order.ended = book_->ended;
+  order.done = [book = book_, then, revision = order.revision](const Snapshots::Made& made) {
+    Take(*book, then, revision, made);
+  };
+  snapshots.Make(std::move(order));
+}
+
+void MeshLog::Take(Book& book, const Sizes& then, std::uint64_t revision,
+                   const Snapshots::Made& made) {
+  {
+    const std::lock_guard lock(book.mutex);
+    book.making = false;
+    book.unreadable = made.unreadable;
+    if (made.status.ok()) {
+      book.sizes = {.snapshot = made.bytes,
+                    .entries = book.sizes.entries - then.entries,
+                    .operations = book.sizes.operations - then.operations};
+    }
+    // What cannot be read is made from the mesh at once.
+    book.failed_at = made.status.ok() || made.unreadable ? 0 : then.entries;
+  }
+  if (made.status.ok()) {
+    Log(LogLevel::kInfo, "compacted",
+        {{"mesh", book.id},
+         {"revision", revision},
+         {"entry_bytes", then.entries},
+         {"operations", then.operations},
+         {"snapshot_bytes", made.bytes},
+         {"take_milliseconds", Milliseconds(made.take)},
+         {"encode_milliseconds", Milliseconds(made.encode)},
+         {"write_milliseconds", Milliseconds(made.write)}});
+  } else if (!*book.ended) {
+    Log(LogLevel::kWarning, "compact_failed",
+        {{"mesh", book.id}, {"revision", revision}, {"error", made.status.message()}});
+  }
 }
 
 }  // namespace dynmesh::server

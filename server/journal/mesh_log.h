@@ -1,17 +1,23 @@
 // Writes one mesh to the journal: every batch before its effects become visible, batches that are
-// ready together in one write, and now and then a snapshot of its features, from which the mesh is
-// recovered.
+// ready together in one write. Now and then it orders a snapshot of the features, from which the
+// mesh is recovered; that is made and written beside the edits (snapshots.h).
 //
 // A snapshot is due when the batches since the last one exceed a minimum and outweigh it, in bytes
 // or in the work to replay them: amortised O(1) for each byte and each operation of a batch. So,
 // above those minimums, a generation (journal.h) has at most twice the features' bytes, and
 // recovery takes at most three times as long as making the mesh from its features. The first batch,
-// often a whole load, serves as a snapshot. Calls block. Thread-compatible: the mesh's strand makes
-// one call at a time, or has another thread make it.
+// often a whole load, serves as a snapshot.
+//
+// Append blocks. Thread-compatible: the mesh's strand makes one call at a time; only Append is made
+// by another thread, too, one at a time, beside the calls about snapshots.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -20,6 +26,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
 #include "server/journal/mesh_history.h"
+#include "server/journal/snapshots.h"
 #include "server/revisions/request_memory.h"
 
 namespace dynmesh::server {
@@ -49,6 +56,8 @@ class MeshLog {
 
   MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension, const Sizes& sizes,
           const Limits& limits);
+  // As EndSnapshots.
+  ~MeshLog() { EndSnapshots(); }
 
   // A batch, and its answer, which is kept if there is a request_id.
   struct Batch {
@@ -60,11 +69,10 @@ class MeshLog {
   // order of their revisions. Errors as JournalError.
   absl::Status Append(std::span<const Batch> batches);
 
-  // Of a mesh that another server writes: it wrote a batch that executed `work`; a snapshot.
-  void SawEntry(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
-    sizes_.Add(revision, bytes, work);
-  }
-  void SawSnapshot(std::uint64_t bytes) { sizes_ = {.snapshot = bytes}; }
+  // Of a mesh that another server writes: it wrote a batch that executed `work`; a snapshot, of
+  // that many bytes. The few batches that it wrote while it made the snapshot are not counted.
+  void SawEntry(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work);
+  void SawSnapshot(std::uint64_t bytes);
 
   // False after an append that was fenced or has an unknown outcome: nothing more can be written.
   bool owns() const { return owns_; }
@@ -75,26 +83,51 @@ class MeshLog {
   }
 
   // The mesh's last revision has the features of the previous one, and other bits (kMeshBits).
-  // Writes that revision and a snapshot. Errors as Append; a failed snapshot is logged.
+  // Writes that revision and a snapshot, and blocks meanwhile. Errors as Append; a failed snapshot
+  // is logged.
   absl::Status AppendOtherBits(const DynamicMesh& mesh);
 
-  // True if a snapshot is due. O(1).
+  // Snapshots, on the strand. True if one is due and none is being made. O(1).
   bool IsDue(const DynamicMesh& mesh) const;
-  // To be called after a batch, when the mesh is at the last revision that was written; O(1) unless
-  // a snapshot is due. A failure is logged, and retried later.
-  void CompactIfDue(const DynamicMesh& mesh);
+  // Orders a snapshot of the last revision that was written. O(1). A failure is logged, and the
+  // next one is due when as much again was written.
+  void OrderSnapshot(Snapshots& snapshots);
+  // True if the features that the journal has cannot be read: then the snapshot that is due is to
+  // be made from the mesh. That takes O(features) here, and makes the journal good again.
+  bool needs_features() const;
+  // The same of the mesh, which is at the last revision that was written.
+  void OrderSnapshot(Snapshots& snapshots, const DynamicMesh& mesh);
+  // Nothing more is to be written. The snapshot that is being made ends soon. On any thread.
+  void EndSnapshots() { *book_->ended = true; }
 
  private:
-  void Compact(const DynamicMesh& mesh);
+  // What has been written. Shared with a snapshot that is being made, which may outlive the log.
+  struct Book {
+    explicit Book(std::string mesh) : id(std::move(mesh)) {}
+
+    const std::string id;
+    const std::shared_ptr<std::atomic<bool>> ended = std::make_shared<std::atomic<bool>>(false);
+    std::mutex mutex;
+    Sizes sizes;
+    std::uint64_t last = 0;       // the last revision written by this log; 0: none
+    bool making = false;          // a snapshot
+    bool unreadable = false;      // the last snapshot failed since the journal could not be read
+    std::uint64_t failed_at = 0;  // bytes of entries at the last failed snapshot
+  };
+  using BookPtr = std::shared_ptr<Book>;
+
+  void Order(Snapshots& snapshots, std::optional<FeaturesAt> features);
+  // `then`: the sizes at the revision of the snapshot.
+  static void Take(Book& book, const Sizes& then, std::uint64_t revision,
+                   const Snapshots::Made& made);
 
   Journal* const journal_;
   const Journal::Key key_;
   const std::string id_;
   const int dimension_;
   const Limits limits_;
-  Sizes sizes_;
+  const BookPtr book_;
   bool owns_ = true;
-  std::uint64_t failed_at_ = 0;  // bytes of entries at the last failed snapshot
 };
 
 }  // namespace dynmesh::server

@@ -17,7 +17,7 @@ struct PostgresOptions {
   std::size_t remembered_requests = 10'000;  // of a mesh
   // Limit of a mesh's generations before the newest. The last of them is always kept.
   std::uint64_t history_bytes = 64 << 20;
-  std::uint64_t transaction_bytes = 4 << 20;  // at most, or one row
+  std::uint64_t transaction_bytes = 1 << 20;  // at most, or one row
   // Connections at most, for writing and for reading. Further callers wait.
   int writing_connections = 16;
   int reading_connections = 8;

@@ -4,26 +4,33 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "server/journal/journal_errors.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
 namespace {
 
-// Holds the mesh's row until the end of the transaction: its epoch and head stay.
+// Holds the mesh's row until the end of the transaction. It waits for the other statements here.
 constexpr char kHold[] =
     "SELECT snapshot, tail_bytes FROM dynmesh.meshes WHERE key = $1::bigint AND epoch = $2::bigint "
-    "AND head = $3::bigint FOR UPDATE";
+    "AND head >= $3::bigint FOR UPDATE";
+// The weakest lock: appends and claims change the row beside it.
 constexpr char kHoldEpoch[] =
-    "SELECT epoch, snapshot FROM dynmesh.meshes WHERE key = $1::bigint FOR SHARE";
+    "SELECT epoch, snapshot FROM dynmesh.meshes WHERE key = $1::bigint FOR KEY SHARE";
 
 absl::Status NotHeld() {
-  return absl::AbortedError("the mesh has another epoch or another last revision");
+  return absl::AbortedError("the mesh has another epoch, or not that revision");
+}
+
+std::int64_t SumOf(std::int64_t mesh, std::int64_t revision, std::size_t part,
+                   const std::string& data) {
+  return RowSumOf(mesh, revision, static_cast<std::int64_t>(part), absl::string_view(data));
 }
 
 constexpr char kInsertParts[] = R"(
 WITH mine AS (
   SELECT key FROM dynmesh.meshes WHERE key = $1::bigint AND epoch = $2::bigint
-    AND head = $3::bigint FOR SHARE)
+    AND head >= $3::bigint FOR KEY SHARE)
 INSERT INTO dynmesh.snapshots(mesh, revision, part, checksum, data)
 SELECT key, $3::bigint, $4::bigint + n - 1, sum, substring($5::bytea FROM start FOR size)
 FROM mine, unnest($6::int[], $7::int[], $8::bigint[]) WITH ORDINALITY AS p(start, size, sum, n)
@@ -105,19 +112,36 @@ absl::StatusOr<std::optional<std::int64_t>> Dropped(Session& session, std::int64
   return std::nullopt;
 }
 
-// In a transaction that holds the mesh's row, which is `held`.
-absl::Status Switch(Session& session, std::int64_t mesh, const Belief& at, const Answer& held,
-                    const std::vector<std::string>& parts, std::uint64_t history_bytes) {
-  const auto count = static_cast<std::int64_t>(parts.size());
+// The written parts are `parts`, by their checksums.
+absl::Status CheckParts(Session& session, std::int64_t mesh, std::int64_t revision,
+                        const std::vector<std::string>& parts) {
   const Answer written = session.Run(
-      "SELECT count(*) FROM dynmesh.snapshots WHERE mesh = $1::bigint AND revision = $2::bigint",
-      mesh, at.head);
+      "SELECT part, checksum FROM dynmesh.snapshots WHERE mesh = $1::bigint AND revision = "
+      "$2::bigint ORDER BY part",
+      mesh, revision);
   if (!written.status.ok()) return written.status;
-  if (written.Integer(0, 0) != count) return absl::UnavailableError("a snapshot was swept away");
+  bool same = written.size() == parts.size();
+  for (std::size_t part = 0; same && part < parts.size(); ++part) {
+    same = written.Integer(part, 0) == static_cast<std::int64_t>(part) &&
+           written.Integer(part, 1) == SumOf(mesh, revision, part, parts[part]);
+  }
+  return same ? absl::OkStatus() : absl::UnavailableError("a snapshot was swept away");
+}
+
+// In a transaction that holds the mesh's row, which is `held`.
+absl::Status Switch(Session& session, std::int64_t mesh, std::int64_t revision, const Answer& held,
+                    const std::vector<std::string>& parts, std::uint64_t history_bytes) {
+  if (absl::Status s = CheckParts(session, mesh, revision, parts); !s.ok()) return s;
+  const Answer after = session.Run(
+      "SELECT coalesce(sum(length(data)), 0)::bigint FROM dynmesh.entries WHERE mesh = $1::bigint "
+      "AND revision > $2::bigint",
+      mesh, revision);
+  if (!after.status.ok()) return after.status;
+  const std::int64_t tail = after.Integer(0, 0);
   Answer done = session.Run(
       "UPDATE dynmesh.generations SET bytes = bytes + $3::bigint WHERE mesh = $1::bigint AND "
       "revision = $2::bigint",
-      mesh, held.Integer(0, 0), held.Integer(0, 1));
+      mesh, held.Integer(0, 0), held.Integer(0, 1) - tail);
   if (!done.status.ok()) return done.status;
   const auto dropped = Dropped(session, mesh, history_bytes);
   if (!dropped.ok()) return dropped.status();
@@ -131,26 +155,31 @@ absl::Status Switch(Session& session, std::int64_t mesh, const Belief& at, const
       "INSERT INTO dynmesh.generations(mesh, revision, parts, bytes) VALUES($1::bigint, "
       "$2::bigint, "
       "$3::bigint, $4::bigint)",
-      mesh, at.head, count, bytes);
+      mesh, revision, static_cast<std::int64_t>(parts.size()), bytes);
   if (!done.status.ok()) return done.status;
   return session
-      .Run("UPDATE dynmesh.meshes SET snapshot = head, tail_bytes = 0 WHERE key = $1::bigint", mesh)
+      .Run(
+          "UPDATE dynmesh.meshes SET snapshot = $2::bigint, tail_bytes = $3::bigint WHERE key = "
+          "$1::bigint",
+          mesh, revision, tail)
       .status;
 }
 
 }  // namespace
 
-absl::StatusOr<bool> HasSnapshot(Session& session, std::int64_t mesh, std::int64_t revision) {
-  const Answer found = session.Run(
-      "SELECT 1 FROM dynmesh.generations WHERE mesh = $1::bigint AND revision = $2::bigint", mesh,
-      revision);
+absl::StatusOr<bool> CheckSnapshot(Session& session, std::int64_t mesh, std::int64_t revision) {
+  const Answer found =
+      session.Run("SELECT snapshot FROM dynmesh.meshes WHERE key = $1::bigint", mesh);
   if (!found.status.ok()) return found.status;
-  return !found.empty();
+  if (found.empty()) return NoSuchMesh();
+  const std::int64_t snapshot = found.Integer(0, 0);
+  if (revision >= snapshot) return revision == snapshot;
+  return NoSnapshotAt(static_cast<std::uint64_t>(revision));
 }
 
-absl::StatusOr<std::size_t> WriteParts(Session& session, std::int64_t mesh, const Belief& at,
-                                       const std::vector<std::string>& parts, std::size_t first,
-                                       std::uint64_t bytes) {
+absl::StatusOr<std::size_t> WriteParts(Session& session, std::int64_t mesh, std::int64_t epoch,
+                                       std::int64_t revision, const std::vector<std::string>& parts,
+                                       std::size_t first, std::uint64_t bytes) {
   std::string data;
   std::vector<std::int64_t> starts, sizes, sums;
   std::size_t part = first;
@@ -158,25 +187,25 @@ absl::StatusOr<std::size_t> WriteParts(Session& session, std::int64_t mesh, cons
     if (part > first && data.size() + parts[part].size() > bytes) break;
     starts.push_back(static_cast<std::int64_t>(data.size()) + 1);
     sizes.push_back(static_cast<std::int64_t>(parts[part].size()));
-    sums.push_back(
-        RowSumOf(mesh, at.head, static_cast<std::int64_t>(part), absl::string_view(parts[part])));
+    sums.push_back(SumOf(mesh, revision, part, parts[part]));
     data += parts[part];
   }
   const Answer written =
-      session.Run(kInsertParts, mesh, at.epoch, at.head, static_cast<std::int64_t>(first),
+      session.Run(kInsertParts, mesh, epoch, revision, static_cast<std::int64_t>(first),
                   Bytes{data}, starts, sizes, sums);
   if (!written.status.ok()) return written.status;
   if (written.size() != sizes.size()) return NotHeld();
   return part;
 }
 
-absl::Status SwitchOver(Session& session, std::int64_t mesh, const Belief& at,
-                        const std::vector<std::string>& parts, std::uint64_t history_bytes) {
+absl::Status SwitchOver(Session& session, std::int64_t mesh, std::int64_t epoch,
+                        std::int64_t revision, const std::vector<std::string>& parts,
+                        std::uint64_t history_bytes) {
   if (const Answer begun = session.Execute("BEGIN"); !begun.status.ok()) return begun.status;
-  const Answer held = session.Run(kHold, mesh, at.epoch, at.head);
+  const Answer held = session.Run(kHold, mesh, epoch, revision);
   absl::Status status = held.status;
   if (status.ok() && held.empty()) status = NotHeld();
-  if (status.ok()) status = Switch(session, mesh, at, held, parts, history_bytes);
+  if (status.ok()) status = Switch(session, mesh, revision, held, parts, history_bytes);
   if (status.ok()) status = session.Execute("COMMIT").status;
   if (!status.ok()) session.Spoil();
   return status;

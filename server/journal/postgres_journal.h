@@ -66,8 +66,9 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                         const Visitor& visitor) override;
   absl::StatusOr<std::uint64_t> Oldest(Key mesh) override;
-  absl::Status Compact(Key mesh, std::uint64_t revision,
-                       const std::vector<std::string>& parts) override;
+  using Journal::Compact;
+  absl::Status Compact(Key mesh, std::uint64_t revision, const std::vector<std::string>& parts,
+                       const std::atomic<bool>& cancelled) override;
 
   // With leases (postgres_shared.cc).
   absl::Duration lease() const override { return options_.lease; }
@@ -94,7 +95,7 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
  private:
   // A mesh that this object claimed.
   struct Owned {
-    std::mutex mutex;                     // held during an append or a transaction of a snapshot
+    std::mutex mutex;                     // held during an append
     absl::Status gone;                    // not OK: disowned, and why
     postgres::Belief is;                  // while it is owned
     std::atomic<std::int64_t> epoch{0};   // as in `is`; 0: disowned. Without the mutex
@@ -132,10 +133,14 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   absl::Status NotClaimed(Key mesh);
   absl::Status Disown(Owned& owned, absl::Status why);
 
+  // Snapshots, without the mesh's mutex (postgres_snapshots.cc).
   absl::Status CompactIn(Key mesh, Owned& owned, std::uint64_t revision,
-                         const std::vector<std::string>& parts);
-  absl::Status CheckLast(const Owned& owned, std::uint64_t revision) const;
-  void SweepWhole(Key mesh);
+                         const std::vector<std::string>& parts, const std::atomic<bool>& cancelled);
+  // Runs `work`, a transaction, in the mesh's present epoch; again if that changes meanwhile.
+  absl::Status SnapshotStep(
+      Owned& owned, std::uint64_t revision,
+      const std::function<absl::Status(postgres::Session&, std::int64_t epoch)>& work);
+  void SweepWhole(Key mesh, const std::atomic<bool>* cancelled = nullptr);
   // Draws a key, unless `*key` has one already.
   absl::Status DrawKey(postgres::Session& session, Key* key, bool* unknown) const;
   void Measure(postgres::Session& session);

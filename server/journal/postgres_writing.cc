@@ -1,4 +1,4 @@
-// The writing part of PostgresJournal: appends, the end of unknown ones, snapshots.
+// The writing part of PostgresJournal: appends, and the end of unknown ones.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -8,7 +8,6 @@
 #include "server/base/boot_time.h"
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
-#include "server/journal/postgres_generations.h"
 #include "server/journal/postgres_journal.h"
 
 namespace dynmesh::server {
@@ -138,78 +137,6 @@ absl::Status PostgresJournal::Disown(Owned& owned, absl::Status why) {
   owned.gone = why;
   owned.epoch = 0;
   return why;
-}
-
-// ------------------------------------------------------------------ snapshots
-
-absl::Status PostgresJournal::CheckLast(const Owned& owned, std::uint64_t revision) const {
-  if (!owned.gone.ok()) return owned.gone;
-  if (static_cast<std::int64_t>(revision) == owned.is.head) return absl::OkStatus();
-  return NotTheLastRevision(revision, owned.is.head);
-}
-
-absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
-                                      const std::vector<std::string>& parts) {
-  const OwnedPtr owned = Find(mesh);
-  if (owned == nullptr) return NotClaimed(mesh);
-  absl::Status status = CompactIn(mesh, *owned, revision, parts);
-  // Appends wait for this call: without a database it ends at once. The next snapshot sweeps.
-  if (is_shared() && absl::IsUnavailable(status)) return status;
-  SweepWhole(mesh);
-  if (absl::StatusOr<Lease> session = readers_.Take(Patience()); session.ok()) Measure(**session);
-  return status;
-}
-
-absl::Status PostgresJournal::CompactIn(Key mesh, Owned& owned, std::uint64_t revision,
-                                        const std::vector<std::string>& parts) {
-  // Each step is a transaction; the mesh can be written to in between.
-  const auto step = [&](const std::function<absl::Status(postgres::Session&)>& work) {
-    const std::lock_guard lock(owned.mutex);
-    if (absl::Status s = CheckLast(owned, revision); !s.ok()) return s;
-    absl::StatusOr<Lease> session = writers_.Take(Patience());
-    return Counted(session.ok() ? work(**session) : session.status());
-  };
-  bool there = false;
-  absl::Status status = step([&](postgres::Session& session) {
-    const auto found = postgres::HasSnapshot(session, mesh, owned.is.head);
-    there = found.ok() && *found;
-    return found.status();
-  });
-  if (!status.ok() || there) return status;
-  SweepWhole(mesh);  // of an unfinished snapshot
-  for (std::size_t part = 0; status.ok() && part < parts.size();) {
-    status = step([&](postgres::Session& session) {
-      const auto next =
-          postgres::WriteParts(session, mesh, owned.is, parts, part, options_.transaction_bytes);
-      if (next.ok()) part = *next;
-      return next.status();
-    });
-  }
-  if (!status.ok()) return status;
-  return step([&](postgres::Session& session) {
-    return postgres::SwitchOver(session, mesh, owned.is, parts, options_.history_bytes);
-  });
-}
-
-// After a failure the rest is left for the next time.
-bool PostgresJournal::Sweep(Key mesh) {
-  std::int64_t epoch = 0;  // no mesh has it
-  if (const OwnedPtr owned = Find(mesh); owned != nullptr) {
-    const std::lock_guard lock(owned->mutex);
-    if (owned->gone.ok()) epoch = owned->is.epoch;
-  }
-  absl::StatusOr<Lease> session = writers_.Take(Patience());
-  const absl::StatusOr<bool> more =
-      session.ok() ? postgres::SweepPart(**session, mesh, epoch, options_.transaction_bytes)
-                   : absl::StatusOr<bool>(session.status());
-  if (more.ok()) return *more;
-  Log(LogLevel::kWarning, "sweep_failed", {{"journal", name_}, {"error", more.status().message()}});
-  return false;
-}
-
-void PostgresJournal::SweepWhole(Key mesh) {
-  while (Sweep(mesh)) {
-  }
 }
 
 }  // namespace dynmesh::server

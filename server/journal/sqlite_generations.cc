@@ -106,11 +106,19 @@ absl::StatusOr<std::size_t> WriteParts(Connection& connection, std::int64_t mesh
 
 absl::Status SwitchOver(Connection& connection, std::int64_t mesh, std::int64_t revision,
                         const std::vector<std::string>& parts, std::uint64_t history_bytes) {
+  std::int64_t tail = 0;
+  {
+    Statement after(connection,
+                    "SELECT ifnull(sum(length(data)), 0) FROM entries WHERE mesh = ? AND revision "
+                    "> ?");
+    if (!after.Bind(mesh).Bind(revision).Step()) return after.status();
+    tail = after.Integer(0);
+  }
   Statement grown(connection,
                   "UPDATE generations SET bytes = bytes + (SELECT tail_bytes FROM meshes WHERE "
-                  "key = mesh) WHERE mesh = ? AND revision = (SELECT snapshot FROM meshes WHERE "
-                  "key = mesh)");
-  if (absl::Status s = grown.Bind(mesh).Finish(); !s.ok()) return s;
+                  "key = mesh) - ? WHERE mesh = ? AND revision = (SELECT snapshot FROM meshes "
+                  "WHERE key = mesh)");
+  if (absl::Status s = grown.Bind(tail).Bind(mesh).Finish(); !s.ok()) return s;
   std::optional<std::int64_t> dropped;
   {
     Statement older(connection,
@@ -132,8 +140,8 @@ absl::Status SwitchOver(Connection& connection, std::int64_t mesh, std::int64_t 
   insert.Bind(mesh).Bind(revision).Bind(static_cast<std::int64_t>(parts.size()));
   insert.Bind(static_cast<std::int64_t>(BytesOf(parts)));
   if (absl::Status s = insert.Finish(); !s.ok()) return s;
-  Statement newest(connection, "UPDATE meshes SET snapshot = ?, tail_bytes = 0 WHERE key = ?");
-  return newest.Bind(revision).Bind(mesh).Finish();
+  Statement newest(connection, "UPDATE meshes SET snapshot = ?, tail_bytes = ? WHERE key = ?");
+  return newest.Bind(revision).Bind(tail).Bind(mesh).Finish();
 }
 
 absl::StatusOr<bool> SweepPart(Connection& connection, std::int64_t mesh, std::uint64_t bytes) {

@@ -27,9 +27,9 @@ absl::StatusOr<std::size_t> WriteParts(sqlite::Connection& connection, std::int6
                                        std::int64_t revision, const std::vector<std::string>& parts,
                                        std::size_t first, std::uint64_t bytes);
 
-// Makes the written snapshot the newest. Generations before the newest that have more than
-// `history_bytes` together become leftovers, the oldest first; the last of them is always kept.
-// O(generations).
+// Makes the written snapshot the newest. The entries after its revision are its own. Generations
+// before it that have more than `history_bytes` together become leftovers, the oldest first; the
+// last of them is always kept. O(generations + entries after it).
 absl::Status SwitchOver(sqlite::Connection& connection, std::int64_t mesh, std::int64_t revision,
                         const std::vector<std::string>& parts, std::uint64_t history_bytes);
 

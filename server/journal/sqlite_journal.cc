@@ -291,44 +291,6 @@ absl::Status SqliteJournal::Append(Key mesh, const std::vector<Entry>& entries,
   });
 }
 
-absl::Status SqliteJournal::CheckLast(Key mesh, std::uint64_t revision) {
-  const absl::StatusOr<std::int64_t> last = LastOf(mesh);
-  if (!last.ok()) return last.status();
-  if (static_cast<std::int64_t>(revision) == *last) return absl::OkStatus();
-  return NotTheLastRevision(revision, *last);
-}
-
-absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
-                                    const std::vector<std::string>& parts) {
-  if (absl::Status s = CheckWritable(mesh); !s.ok()) return s;
-  const auto at = static_cast<std::int64_t>(revision);
-  bool there = false;
-  absl::Status status = Write([&]() -> absl::Status {
-    if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
-    Statement same(writer_, "SELECT 1 FROM generations WHERE mesh = ? AND revision = ?");
-    there = same.Bind(mesh).Bind(at).Step();
-    return same.status();
-  });
-  if (!status.ok() || there) return status;
-  SweepWhole(mesh);  // of an unfinished snapshot
-  for (std::size_t part = 0; status.ok() && part < parts.size();) {
-    status = Write([&]() -> absl::Status {
-      if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
-      const auto next = WriteParts(writer_, mesh, at, parts, part, options_.transaction_bytes);
-      if (next.ok()) part = *next;
-      return next.status();
-    });
-  }
-  if (status.ok()) {
-    status = Write([&]() -> absl::Status {
-      if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
-      return SwitchOver(writer_, mesh, at, parts, options_.history_bytes);
-    });
-  }
-  SweepWhole(mesh);
-  return status;
-}
-
 // After a failure the rest is left for the next time.
 bool SqliteJournal::Sweep(Key mesh) {
   bool more = false;

@@ -6,7 +6,8 @@
 // probe is written at the same place of the log. Until a probe succeeds, all writes fail.
 //
 // Large data is written and deleted in parts, each in a transaction of its own, between which
-// other changes are written. Leftovers of an interrupted sequence are not visible
+// other changes are written; a snapshot pauses there, so that it takes half of the time at most
+// (sqlite_snapshots.cc). Leftovers of an interrupted sequence are not visible
 // (sqlite_generations.h). They are deleted at the mesh's next snapshot or when the journal is
 // opened.
 //
@@ -40,7 +41,7 @@ class SqliteJournal final : public Journal, public MeshImport {
     std::size_t remembered_requests = 10'000;  // of a mesh
     // Limit of a mesh's generations before the newest. The last of them is always kept.
     std::uint64_t history_bytes = 64 << 20;
-    std::uint64_t transaction_bytes = 4 << 20;  // at most, or one row
+    std::uint64_t transaction_bytes = 1 << 20;  // at most, or one row
     const char* vfs = nullptr;                  // of SQLite; for tests
     // Losses that the operator accepts, as in losses.h.
     std::vector<std::string> accept_loss;
@@ -66,8 +67,9 @@ class SqliteJournal final : public Journal, public MeshImport {
   absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                         const Visitor& visitor) override;
   absl::StatusOr<std::uint64_t> Oldest(Key mesh) override;
-  absl::Status Compact(Key mesh, std::uint64_t revision,
-                       const std::vector<std::string>& parts) override;
+  using Journal::Compact;
+  absl::Status Compact(Key mesh, std::uint64_t revision, const std::vector<std::string>& parts,
+                       const std::atomic<bool>& cancelled) override;
 
   // Meshes from other journals (sqlite_import.cc).
   MeshImport* import() override { return this; }
@@ -96,7 +98,12 @@ class SqliteJournal final : public Journal, public MeshImport {
   void AddLosses(std::vector<Mesh>* meshes);
   // The position in SQLite's log, after a transaction.
   HeadsFile::Position LogPosition();
-  absl::Status CheckLast(Key mesh, std::uint64_t revision);
+  // Snapshots. OK if one can be made of that revision, or is there already.
+  absl::Status CheckSnapshot(Key mesh, std::uint64_t revision, bool* there);
+  absl::Status WriteSnapshot(Key mesh, std::uint64_t revision,
+                             const std::vector<std::string>& parts,
+                             const std::atomic<bool>& cancelled);
+  void SweepSlowly(Key mesh, const std::atomic<bool>& cancelled);
   void SweepWhole(Key mesh);
   void SweepAll();
   // Called by the writing thread.

@@ -110,6 +110,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       requests_(past.requests.has_value() ? *std::move(past.requests)
                                           : RequestMemory(options.remembered_requests)),
       pipeline_(options.held),
+      snapshots_(options.snapshots),
       seen_snapshot_(past.follows.value_or(0)),
       follows_(past.follows.has_value()),
       stats_(mesh_->Stats()) {}
@@ -198,6 +199,7 @@ void MeshHost::Close(const absl::Status& status) {
     closed_ = status;
   }
   ended_ = true;
+  if (log_ != nullptr) log_->EndSnapshots();
   waiters_.Close();
   hub_->Close(status);
 }
@@ -226,7 +228,7 @@ void MeshHost::Run(const std::shared_ptr<EditJob>& job) {
   if (mesh_->revision() != before) {
     hub_->Notify();
     RebaseIfDue();
-    if (log_ != nullptr) log_->CompactIfDue(*mesh_);
+    SnapshotIfDue();
   }
 }
 

@@ -14,9 +14,10 @@
 // is held is undone, the last batch first, and refused. A batch alone, with no other behind it, is
 // written by the strand's own thread: there is nothing else to do.
 //
-// What needs the mesh as written waits until nothing is held, and so does a snapshot for the
-// journal: a large batch, a revert, a query. It waits in the strand's queue and takes no thread
-// (SerialQueue::Defer). So does each batch while the limit of what is held is reached.
+// What needs the mesh as written waits until nothing is held: a large batch, a revert, a query. It
+// waits in the strand's queue and takes no thread (SerialQueue::Defer). So does each batch while
+// the limit of what is held is reached. A snapshot for the journal is of the last revision that was
+// written, whatever is held; it is made beside the edits (server/journal/snapshots.h).
 //
 // A host may *follow* a mesh that another server has (mesh_host_following.cc): its revisions are
 // those of the journal, made again here and compared by their hashes, and it takes no edits. It
@@ -70,7 +71,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::size_t max_waiting = 1'000;
     std::size_t remembered_requests = 10'000;
     MeshLog::Limits compact;
-    EditMetrics* metrics = nullptr;  // outlives the host; null: nothing is counted
+    std::shared_ptr<Snapshots> snapshots;  // with a log; null: none are made
+    EditMetrics* metrics = nullptr;        // outlives the host; null: nothing is counted
     std::uint64_t max_features = ~std::uint64_t{0};
     std::uint64_t max_operations = 0;     // ApplyOptions::max_operations of every batch
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
@@ -129,7 +131,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     queue_->Withdraw(cancelled.get());
   }
 
-  // Refuses all waiting jobs and ends all watches with `status`.
+  // Refuses all waiting jobs and ends all watches with `status`; ends the snapshot that is made.
   void Close(const absl::Status& status);
   // Of a host that follows: applies what the journal has after the head, on the strand, then calls
   // `done` there. DATA_LOSS, with the revision: it is another one here than in the journal, and not
@@ -194,6 +196,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   void Finish(HeldEdit edit);
   absl::Status Lose(absl::string_view why);
   void RebaseIfDue();
+  void SnapshotIfDue();
 
   // Following, on the strand (mesh_host_following.cc).
   absl::Status TakeTail(const SharedJournal::Tail& tail);
@@ -245,8 +248,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   RequestMemory requests_;
   AppendPipeline pipeline_;
   std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the pipeline is not empty
-  bool snapshot_due_ = false;                // nothing more is applied until the pipeline is empty
-  std::uint64_t seen_snapshot_;              // in the journal, while it follows
+  const std::shared_ptr<Snapshots> snapshots_;
+  bool features_asked_ = false;  // a task waits that makes a snapshot from the mesh
+  std::uint64_t seen_snapshot_;  // in the journal, while it follows
 
   std::atomic<bool> rebasing_{false};
   std::atomic<bool> disowned_{false};

@@ -22,7 +22,7 @@ bool MeshHost::CanBeHeld(const EditJob& job) const {
 }
 
 bool MeshHost::IsItsTurn(const EditJob& job) {
-  return (CanBeHeld(job) && !pipeline_.full() && !snapshot_due_) || IsWritten();
+  return (CanBeHeld(job) && !pipeline_.full()) || IsWritten();
 }
 
 bool MeshHost::IsWritten() {
@@ -73,13 +73,24 @@ void MeshHost::Write(AppendPipeline::Flight& flight) {
 void MeshHost::EndAppend(const FlightPtr& flight) {
   if (pipeline_.flight() != flight) return;  // Relieve has seen its end
   if (!flight->written().ok()) return TakeBackHeld(flight->written());
-  snapshot_due_ = log_->IsDue(*mesh_);  // before the next append
   PublishWritten();
   mesh_->SettleAllBut(pipeline_.revisions());
-  if (snapshot_due_ && pipeline_.empty()) {
-    snapshot_due_ = false;
-    log_->CompactIfDue(*mesh_);
-  }
+  SnapshotIfDue();
+}
+
+// On the strand, after a write. Its memory comes on top of the meshes', so it waits while these may
+// not grow.
+void MeshHost::SnapshotIfDue() {
+  if (log_ == nullptr || snapshots_ == nullptr || features_asked_ || !log_->IsDue(*mesh_)) return;
+  if (ended_ || (memory_ != nullptr && memory_->full()->load())) return;
+  if (!log_->needs_features()) return log_->OrderSnapshot(*snapshots_);
+  features_asked_ = true;
+  queue_->Post([self = shared_from_this()] {
+    if (!self->IsWritten()) return;
+    self->features_asked_ = false;
+    if (self->ended_ || !self->log_->IsDue(*self->mesh_)) return;
+    self->log_->OrderSnapshot(*self->snapshots_, *self->mesh_);
+  });
 }
 
 // After a write that succeeded. Does not use the mesh.
@@ -101,7 +112,6 @@ void MeshHost::PublishWritten() {
 // After a write that failed. No client has seen the effects of what is held.
 void MeshHost::TakeBackHeld(const absl::Status& why) {
   activity_.EndAppend();
-  snapshot_due_ = false;
   mesh_->TakeBack(pipeline_.revisions());
   mesh_->Settle();
   const Head head = store_->head();

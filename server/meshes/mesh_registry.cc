@@ -22,11 +22,20 @@ absl::Status MeshExistsError(absl::string_view id) {
                    "exists already");
 }
 
-// One part per task of the pool. Does not use the registry, which is destroyed before its pools.
+// One part per task of the pool, which is of normal priority: appends wait for each. Does not use
+// the registry, which is destroyed before its pools.
 void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
              const std::shared_ptr<std::atomic<bool>>& ended) {
   pool->Post([=] {
     if (!*ended && journal->Sweep(mesh)) SweepOn(pool, journal, mesh, ended);
+  });
+}
+
+std::shared_ptr<Snapshots> SnapshotsOf(Journal* journal, ServerMetrics* metrics) {
+  if (journal == nullptr) return nullptr;
+  if (metrics == nullptr) return std::make_shared<Snapshots>(journal);
+  return std::make_shared<Snapshots>(journal, [metrics](const Snapshots::Made& made) {
+    metrics->snapshots.Observe(made.take, made.encode, made.write);
   });
 }
 
@@ -47,7 +56,8 @@ MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, Work
       readers_(readers),
       journal_(journal),
       metrics_(metrics),
-      memory_(memory) {}
+      memory_(memory),
+      snapshots_(SnapshotsOf(journal, metrics)) {}
 
 MeshHost::Options MeshRegistry::HostOptions() const {
   MeshHost::Options options;
@@ -56,6 +66,7 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   options.max_waiting = config_.max_waiting_edits;
   options.remembered_requests = config_.remembered_requests;
   options.compact = {config_.compact_bytes, config_.compact_operations};
+  options.snapshots = snapshots_;
   if (metrics_ != nullptr) options.metrics = &metrics_->edits;
   options.max_features = config_.max_features;
   options.max_operations = config_.max_batch_operations;
@@ -71,6 +82,7 @@ std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
 MeshRegistry::~MeshRegistry() {
   ends_ = true;
   past_pool_.Stop();
+  if (snapshots_ != nullptr) snapshots_->Stop();
   if (opener_ != nullptr) {
     followers_->Stop();
     opener_.reset();                  // it loads into this
@@ -295,7 +307,7 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
     std::erase_if(made_, [&](const auto& made) { return made.second == *id; });
   }
   if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
-  if (journal_ != nullptr) SweepOn(readers_, journal_, held.key, sweeps_ended_);
+  if (journal_ != nullptr) SweepOn(writers_, journal_, held.key, sweeps_ended_);
   Log(LogLevel::kInfo, "mesh_deleted",
       {{"mesh", *id}, {"client", origin.client}, {"call", origin.call}});
   return absl::OkStatus();

@@ -131,6 +131,10 @@ class MeshRegistry {
 
   std::size_t size() const;
   std::size_t damaged() const;  // of these
+  // Blocks until no snapshot for the journal is being made or waits. For tests.
+  void WaitForSnapshots() {
+    if (snapshots_ != nullptr) snapshots_->Wait();
+  }
   std::size_t watchers() const;
   void Tick(absl::Time now);
   // Stops the removal of deleted meshes' rows from the journal. The next start continues it.
@@ -204,6 +208,8 @@ class MeshRegistry {
 
   std::atomic<int> pasts_{0};  // wait or are made
   std::atomic<bool> ends_{false};
+  // Null without a journal. Hosts share it, and may outlive the registry.
+  const std::shared_ptr<Snapshots> snapshots_;
   WorkerPool past_pool_{1, WorkerPool::Priority::kBackground};
 
   // Set by Join.

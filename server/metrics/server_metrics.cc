@@ -114,6 +114,24 @@ void BuildMetrics::Count(const absl::Status& status, double seconds) {
   }
 }
 
+SnapshotMetrics::SnapshotMetrics(MetricRegistry& registry)
+    : SnapshotMetrics(registry.AddHistograms(
+          "dynmesh_snapshot_seconds",
+          "Time of a mesh's snapshot for the journal, by part: take (reading "
+          "its features back), encode or write. Edits go on meanwhile.",
+          SecondsBounds(kLongestStage))) {}
+
+SnapshotMetrics::SnapshotMetrics(MetricFamily<Histogram>& seconds)
+    : take_(seconds.With({{"part", "take"}})),
+      encode_(seconds.With({{"part", "encode"}})),
+      write_(seconds.With({{"part", "write"}})) {}
+
+void SnapshotMetrics::Observe(double take_seconds, double encode_seconds, double write_seconds) {
+  take_.Observe(take_seconds);
+  encode_.Observe(encode_seconds);
+  write_.Observe(write_seconds);
+}
+
 RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
     : entries(registry
                   .AddGauges("dynmesh_recovery_entries",

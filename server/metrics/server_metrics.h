@@ -79,6 +79,22 @@ class BuildMetrics {
   Histogram& seconds_;  // of those that made a mesh
 };
 
+// Snapshots of meshes, for the journal.
+class SnapshotMetrics {
+ public:
+  explicit SnapshotMetrics(MetricRegistry& registry);
+
+  // To be called once per snapshot that was made, with the time of each of its parts.
+  void Observe(double take_seconds, double encode_seconds, double write_seconds);
+
+ private:
+  explicit SnapshotMetrics(MetricFamily<Histogram>& seconds);
+
+  Histogram& take_;
+  Histogram& encode_;
+  Histogram& write_;
+};
+
 // Meshes recovered from the journal.
 struct RecoveryMetrics {
   explicit RecoveryMetrics(MetricRegistry& registry);
@@ -103,6 +119,7 @@ struct ServerMetrics {
   MetricRegistry registry;
   EditMetrics edits{registry};
   BuildMetrics builds{registry};
+  SnapshotMetrics snapshots{registry};
   RecoveryMetrics recovery{registry};
   FollowerMetrics followers{registry};
 };

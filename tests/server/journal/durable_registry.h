@@ -56,10 +56,12 @@ class DurableRegistry {
     job.done = [&box](Result outcome) { box.Put(std::move(outcome)); };
     if (absl::Status s = (*host)->Apply(std::move(job)); !s.ok()) return s;
     Result result = box.Take();
-    // What the strand does after an answer, too, is done when it is through the next task.
+    // What the strand does after an answer, too, is done when it is through the next task; then the
+    // snapshot that it ordered is made.
     Mailbox<int> idle;
     EXPECT_TRUE((*host)->Locate({}, nullptr, [&](const auto&) { idle.Put(0); }).ok());
     idle.Take();
+    registry_->WaitForSnapshots();
     return result;
   }
 

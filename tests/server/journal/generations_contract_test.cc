@@ -1,16 +1,19 @@
 // The history in a journal: what is kept, what is deleted, and damage.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <deque>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/journal_contract.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/deadline.h"
 #include "tests/support/seed.h"
 
 namespace dynmesh::server {
@@ -45,7 +48,90 @@ TEST_P(JournalGenerationsTest, TheOneBeforeTheNewestIsKept) {
   EXPECT_TRUE(absl::IsNotFound(journal_->Oldest(key + 1).status()));
 }
 
-// Entries and snapshots of random sizes against a model that keeps all and counts what is kept.
+// A snapshot is written while batches are appended, which are behind it then.
+TEST_P(JournalGenerationsTest, ASnapshotMayBeOfAnEarlierRevision) {
+  JournalBackend::Options options;
+  options.history_bytes = 0;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  for (std::uint64_t r = 1; r <= 5; ++r) Append(key, r, absl::StrCat("e", r));
+  ASSERT_TRUE(journal_->Compact(key, 3, {"p", "q"}).ok());
+  EXPECT_EQ(Told(*journal_, key), "@3:p @3:q 4:e4 5:e5 ");
+  EXPECT_EQ(ToldPast(*journal_, key, 2, 4), "1:e1 2:e2 3:e3 4:e4 ");
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Compact(key, 2, {"x"})));
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Compact(key, 6, {"x"})));
+  ASSERT_TRUE(journal_->Compact(key, 3, {"again"}).ok()) << "there is one already";
+  Append(key, 6, "e6");
+  ASSERT_TRUE(journal_->Compact(key, 5, {"s"}).ok());
+  Open(options);
+  EXPECT_EQ(*journal_->Oldest(key), 3u);
+  EXPECT_EQ(Told(*journal_, key), "@5:s 6:e6 ");
+  EXPECT_EQ(ToldPast(*journal_, key, 3, 6), "@3:p @3:q 4:e4 5:e5 6:e6 ");
+  EXPECT_EQ(backend_->Rows("entries"), 3);
+  EXPECT_EQ(journal_->List()->front().entries, 2u);
+}
+
+TEST_P(JournalGenerationsTest, BatchesAreAppendedBesideASnapshot) {
+  JournalBackend::Options options;
+  options.transaction_bytes = 1'000;
+  Open(options);
+  const auto key = *journal_->Create("a", ""), other = *journal_->Create("b", "");
+  Append(key, 1, "x");
+  std::string expected;
+  std::vector<std::string> parts;
+  for (int i = 0; i < 40; ++i) {
+    parts.push_back(absl::StrCat(std::string(800, 'p'), i));
+    absl::StrAppend(&expected, "@1:", parts.back(), " ");
+  }
+  std::atomic<bool> ended{false};
+  absl::Status compacted;
+  std::thread snapshot([&] {
+    compacted = journal_->Compact(key, 1, parts);
+    ended = true;
+  });
+  std::uint64_t last = 1, beside = 0;
+  for (std::uint64_t theirs = 1; !ended || last < 10; ++theirs) {
+    Append(key, ++last, "y");
+    Append(other, theirs, "z");
+    beside += !ended;
+  }
+  snapshot.join();
+  ASSERT_TRUE(compacted.ok()) << compacted;
+  EXPECT_GT(beside, 5u);
+  for (std::uint64_t r = 2; r <= last; ++r) absl::StrAppend(&expected, r, ":y ");
+  EXPECT_EQ(Told(*journal_, key), expected);
+  Open(options);
+  EXPECT_EQ(Told(*journal_, key), expected);
+}
+
+TEST_P(JournalGenerationsTest, ASnapshotThatIsNotWantedAnyMoreEndsUnseen) {
+  JournalBackend::Options options;
+  options.transaction_bytes = 1'000;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  Append(key, 1, "x");
+  Append(key, 2, "y");
+  const std::vector<std::string> parts(30, std::string(800, 'p'));
+  std::atomic<bool> ended{false}, cancelled{false};
+  absl::Status status;
+  std::thread snapshot([&] {
+    status = journal_->Compact(key, 2, parts, cancelled);
+    ended = true;
+  });
+  test::WaitUntil("a part", [&] { return ended || backend_->Rows("snapshots") > 0; });
+  cancelled = true;
+  snapshot.join();
+  EXPECT_TRUE(absl::IsCancelled(status)) << status;
+  EXPECT_LT(backend_->Rows("snapshots"), 30);
+  EXPECT_EQ(Told(*journal_, key), "1:x 2:y ");
+  Append(key, 3, "z");
+  ASSERT_TRUE(journal_->Compact(key, 3, {"q"}).ok());
+  EXPECT_EQ(Told(*journal_, key), "@3:q ");
+  EXPECT_EQ(backend_->Rows("snapshots"), 1);
+}
+
+// Entries and snapshots of random sizes against a model that keeps all and counts what is kept. A
+// snapshot is of the last revision, or of one before.
 TEST_P(JournalGenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   const std::uint64_t seed = test::NewSeed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
@@ -63,24 +149,32 @@ TEST_P(JournalGenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   };
   std::deque<Generation> kept = {{}};
   std::vector<std::string> entries = {""};  // by revision, as told
+  std::vector<std::uint64_t> bytes = {0};   // the same, of the data
   std::uint64_t head = 0;
   for (int step = 0; step < 60; ++step) {
     if (random() % 4 != 0) {
       const std::string data = text();
       Append(key, ++head, data);
       entries.push_back(absl::StrCat(head, ":", data, " "));
+      bytes.push_back(data.size());
       kept.back().bytes += data.size();
       continue;
     }
     std::vector<std::string> parts;
-    Generation next{head, 0, ""};
+    const std::uint64_t newest = kept.back().revision;
+    const std::uint64_t at = random() % 2 == 0 ? head : newest + random() % (head - newest + 1);
+    Generation next{at, 0, ""};
     for (std::size_t i = 1 + random() % 3; i > 0; --i) {
       parts.push_back(text());
       next.bytes += parts.back().size();
-      absl::StrAppend(&next.told, "@", head, ":", parts.back(), " ");
+      absl::StrAppend(&next.told, "@", at, ":", parts.back(), " ");
     }
-    ASSERT_TRUE(journal_->Compact(key, head, parts).ok());
-    if (kept.back().revision == head) continue;
+    ASSERT_TRUE(journal_->Compact(key, at, parts).ok());
+    if (newest == at) continue;
+    std::uint64_t behind = 0;  // bytes of the entries after it
+    for (std::uint64_t r = at + 1; r <= head; ++r) behind += bytes[r];
+    kept.back().bytes -= behind;
+    next.bytes += behind;
     const auto total = [&] {
       std::uint64_t sum = 0;
       for (const Generation& g : kept) sum += g.bytes;

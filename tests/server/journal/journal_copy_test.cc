@@ -70,7 +70,9 @@ class EndingJournal final : public Journal, public MeshImport {
     return ended() ? Gone() : journal_.ReadPast(mesh, from, to, visitor);
   }
   absl::StatusOr<std::uint64_t> Oldest(Key mesh) override { return journal_.Oldest(mesh); }
-  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&) override {
+  using Journal::Compact;
+  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&,
+                       const std::atomic<bool>&) override {
     return Gone();
   }
   MeshImport* import() override { return this; }

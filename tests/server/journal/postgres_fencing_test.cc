@@ -13,6 +13,7 @@
 #include "server/journal/postgres_session.h"
 #include "tests/server/journal/postgres_fixture.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -70,19 +71,57 @@ TEST_F(PostgresFencingTest, AnEarlierOwnerSweepsNothingOfItsSuccessor) {
   ASSERT_TRUE(b_->Claim(key_).ok());
   auto session = *postgres::Session::Connect(
       absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
-  const postgres::Belief belief{.epoch = 2, .head = 1};
-  ASSERT_TRUE(postgres::WriteParts(*session, key_, belief, {"p", "q"}, 0, 100).ok());
+  constexpr std::int64_t kEarlier = 1, kPresent = 2;  // epochs
+  ASSERT_TRUE(postgres::WriteParts(*session, key_, kPresent, 1, {"p", "q"}, 0, 100).ok());
   EXPECT_FALSE(a_->Sweep(key_));
-  const postgres::Belief earlier{.epoch = 1, .head = 1};
   auto other = *postgres::Session::Connect(
       absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
   EXPECT_TRUE(
-      absl::IsAborted(postgres::WriteParts(*other, key_, earlier, {"x", "y"}, 0, 9).status()));
-  EXPECT_TRUE(absl::IsAborted(postgres::SwitchOver(*other, key_, earlier, {"x", "y"}, 0)));
+      absl::IsAborted(postgres::WriteParts(*other, key_, kEarlier, 1, {"x", "y"}, 0, 9).status()));
+  EXPECT_TRUE(absl::IsAborted(postgres::SwitchOver(*other, key_, kEarlier, 1, {"x", "y"}, 0)));
   other.reset();
   EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.snapshots"), "2");
-  ASSERT_TRUE(postgres::SwitchOver(*session, key_, belief, {"p", "q"}, 0).ok());
+  // Parts of another content, as a former owner's: no snapshot.
+  EXPECT_TRUE(
+      absl::IsUnavailable(postgres::SwitchOver(*session, key_, kPresent, 1, {"p", "other"}, 0)));
+  auto third = *postgres::Session::Connect(
+      absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
+  ASSERT_TRUE(postgres::SwitchOver(*third, key_, kPresent, 1, {"p", "q"}, 0).ok());
   EXPECT_EQ(Told(*b_, key_), "@1:p @1:q ");
+}
+
+// Part of a snapshot takes long to write: batches are appended and the mesh is claimed meanwhile.
+TEST_F(PostgresFencingTest, AppendsAndClaimsDoNotWaitForAPartOfASnapshot) {
+  ASSERT_EQ(Append(*a_, 1, "a"), AppendOutcome::kAppended);
+  const auto connect = [this] {
+    return *postgres::Session::Connect(
+        absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
+  };
+  auto writing = connect();
+  constexpr std::int64_t kEpoch = 1;
+  ASSERT_TRUE(writing->Execute("BEGIN").status.ok());
+  ASSERT_TRUE(postgres::WriteParts(*writing, key_, kEpoch, 1, {"p", "q"}, 0, 100).ok());
+  std::atomic<int> done{0};
+  std::thread others([&] {
+    EXPECT_EQ(Append(*a_, 2, "b"), AppendOutcome::kAppended);
+    ++done;
+    EXPECT_TRUE(b_->Claim(key_).ok());
+    ++done;
+    EXPECT_EQ(Append(*b_, 3, "c"), AppendOutcome::kAppended);
+    ++done;
+  });
+  try {
+    test::WaitUntil("an append and a claim", [&] { return done == 3; });
+  } catch (const std::runtime_error& error) {
+    ADD_FAILURE() << error.what() << ", after " << done;
+  }
+  // The former owner's parts are there, and are no snapshot of its successor.
+  EXPECT_TRUE(writing->Execute("COMMIT").status.ok());
+  others.join();
+  EXPECT_TRUE(absl::IsAborted(postgres::SwitchOver(*writing, key_, kEpoch, 1, {"p", "q"}, 0)));
+  ASSERT_TRUE(b_->Compact(key_, 2, {"r"}).ok());
+  EXPECT_EQ(Told(*b_, key_), "@2:r 3:c ");
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.snapshots"), "1");
 }
 
 // Owners that take the mesh from each other all the time, until enough was written in between.

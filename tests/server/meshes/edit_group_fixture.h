@@ -30,11 +30,17 @@ class EditGroupTest : public HostFixture {
   ~EditGroupTest() override {
     gate_->Release();
     journal_.Release();
+    snapshots_->Stop();
     writers_.Stop();  // before the journal goes
   }
 
   std::shared_ptr<MeshHost> MakeHostOf(std::unique_ptr<DynamicMesh> mesh) {
+    return MakeHostOf(std::move(mesh), snapshots_);
+  }
+  std::shared_ptr<MeshHost> MakeHostOf(std::unique_ptr<DynamicMesh> mesh,
+                                       const std::shared_ptr<Snapshots>& snapshots) {
     MeshHost::Past past;
+    options_.snapshots = snapshots;
     past.log = std::make_unique<MeshLog>(&journal_, 1, "m", 2, MeshLog::Sizes(), options_.compact);
     return MeshHost::Create("m", std::move(mesh), absl::UnixEpoch(), &writers_, &readers_, options_,
                             std::move(past));
@@ -89,6 +95,7 @@ class EditGroupTest : public HostFixture {
 
   MeshHost::Options options_;
   ScriptedJournal journal_;
+  const std::shared_ptr<Snapshots> snapshots_ = std::make_shared<Snapshots>(&journal_);
   Mailbox<std::pair<int, Result>> answers_;
   int handed_ = 0, answered_ = 0;
 };

@@ -298,21 +298,5 @@ TEST_F(EditGroupTest, CountsTheFeaturesBeforeItAgainstTheLimit) {
   ExpectHead(*host, 5, {2, 3, 5});
 }
 
-TEST_F(EditGroupTest, ASnapshotIsOfWhatIsWrittenDown) {
-  options_.compact = {1, 1};
-  const auto host = MakeHost();
-  for (FeatureId id = 1; id <= 20; id += 2) {
-    HandAll(*host, {Job({AddPoint(id)}), Job({AddPoint(id + 1)})});
-    EXPECT_TRUE(Next().ok());
-    EXPECT_TRUE(Next().ok());
-    if (journal_.compacted() > 0) {
-      EXPECT_EQ(journal_.compacted() % 2, 0u);
-    }
-  }
-  Hand(*host, Job({AddPoint(21)}));
-  EXPECT_TRUE(Next().ok());
-  EXPECT_GT(journal_.compacted(), 0u);
-}
-
 }  // namespace
 }  // namespace dynmesh::server

@@ -141,8 +141,9 @@ class MemoryCluster {
       return absl::UnimplementedError("");
     }
     absl::StatusOr<std::uint64_t> Oldest(Key) override { return 0; }
-    absl::Status Compact(Key key, std::uint64_t revision,
-                         const std::vector<std::string>& parts) override {
+    using Journal::Compact;
+    absl::Status Compact(Key key, std::uint64_t revision, const std::vector<std::string>& parts,
+                         const std::atomic<bool>&) override {
       const std::lock_guard lock(cluster_.mutex_);
       MemoryCluster::Mesh* const mesh = cluster_.Find(key);
       mesh->snapshot = revision;

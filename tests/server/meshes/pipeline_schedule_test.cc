@@ -62,6 +62,7 @@ class PipelineSchedule : public EditGroupTest, public ::testing::WithParamInterf
   }
   ~PipelineSchedule() override {
     journal_.Release();
+    snapshots_->Stop();
     writers_.Stop();  // before what the answers are put into
   }
 

@@ -1,9 +1,11 @@
-// A journal in memory of one mesh, with scripted delays and failures of its appends. Thread-safe.
+// A journal in memory of one mesh, with scripted delays and failures of its appends and snapshots.
+// Thread-safe.
 #ifndef DYNMESH_TESTS_SERVER_MESHES_SCRIPTED_JOURNAL_H_
 #define DYNMESH_TESTS_SERVER_MESHES_SCRIPTED_JOURNAL_H_
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -99,21 +101,74 @@ class ScriptedJournal final : public Journal {
     return status;
   }
   absl::Status Read(Key, const Visitor&) override { return absl::OkStatus(); }
-  absl::Status ReadPast(Key, std::uint64_t, std::uint64_t, const Visitor&) override {
+  // All entries up to `to`, whatever snapshots there are.
+  absl::Status ReadPast(Key, std::uint64_t, std::uint64_t to, const Visitor& visitor) override {
+    std::vector<Group> groups;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!damage_.ok()) return damage_;
+      groups = groups_;
+    }
+    for (const Group& group : groups) {
+      for (const Entry& entry : group.entries) {
+        if (entry.revision > to) return absl::OkStatus();
+        if (absl::Status s = visitor.entry(entry); !s.ok()) return s;
+      }
+    }
     return absl::OkStatus();
   }
   absl::StatusOr<std::uint64_t> Oldest(Key) override { return 0; }
-  absl::Status Compact(Key, std::uint64_t revision, const std::vector<std::string>&) override {
-    const std::lock_guard lock(mutex_);
-    EXPECT_FALSE(appending_) << "a snapshot beside an append";
-    EXPECT_EQ(revision, last_);
+  using Journal::Compact;
+  absl::Status Compact(Key, std::uint64_t revision, const std::vector<std::string>& parts,
+                       const std::atomic<bool>& cancelled) override {
+    std::unique_lock lock(mutex_);
+    EXPECT_FALSE(compacting_) << "two snapshots at once";
+    EXPECT_LE(revision, last_);
+    EXPECT_GT(revision, compacted_);
+    compacting_ = true;
+    ++snapshots_;
+    changed_.notify_all();
+    // Its flag tells no one.
+    while (snapshots_held_ && !cancelled) changed_.wait_for(lock, std::chrono::milliseconds(1));
+    compacting_ = false;
+    if (cancelled) return absl::CancelledError("ended");
+    if (!snapshot_answer_.ok()) return snapshot_answer_;
     compacted_ = revision;
+    parts_ = parts;
     return absl::OkStatus();
   }
-  // The revision of the last snapshot.
+  // Snapshots wait from now on, or go on.
+  void HoldSnapshots(bool held) {
+    const std::lock_guard lock(mutex_);
+    snapshots_held_ = held;
+    changed_.notify_all();
+  }
+  // Until so many have been begun since it was made.
+  void WaitForSnapshots(int count) {
+    std::unique_lock lock(mutex_);
+    test::WaitUntil("snapshots", changed_, lock, [&] { return snapshots_ >= count; });
+  }
+  // The answer to snapshots from now on; to reading back.
+  void AnswerSnapshots(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    snapshot_answer_ = status;
+  }
+  void Damage(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    damage_ = status;
+  }
+  // The revision of the last snapshot, its bytes, and how many were begun.
   std::uint64_t compacted() const {
     const std::lock_guard lock(mutex_);
     return compacted_;
+  }
+  std::vector<std::string> parts() const {
+    const std::lock_guard lock(mutex_);
+    return parts_;
+  }
+  int snapshots() const {
+    const std::lock_guard lock(mutex_);
+    return snapshots_;
   }
 
  private:
@@ -127,6 +182,11 @@ class ScriptedJournal final : public Journal {
   int appends_ = 0;
   std::uint64_t last_ = 0;
   std::uint64_t compacted_ = 0;
+  std::vector<std::string> parts_;
+  int snapshots_ = 0;
+  bool snapshots_held_ = false;
+  bool compacting_ = false;
+  absl::Status snapshot_answer_, damage_;
   std::vector<Group> groups_;
 };
 

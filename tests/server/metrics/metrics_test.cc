@@ -384,6 +384,40 @@ TEST(RecoveryMetricsTest, ASnapshotIsOneEntry) {
   EXPECT_EQ(metrics.recovery.entries_done.value(), metrics.recovery.entries.value());
 }
 
+TEST(SnapshotMetricsTest, EachPartOfASnapshotIsCounted) {
+  EXPECT_TRUE(SetLogLevel("off").ok());
+  test::TempFolder folder;
+  auto journal = SqliteJournal::Open(folder.path(), {});
+  ASSERT_TRUE(journal.ok());
+  ServerConfig config;
+  config.compact_bytes = 1;
+  ServerMetrics metrics;
+  WorkerPool writers(2), readers(2);
+  MeshRegistry meshes(
+      config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); }, &writers,
+      &readers, journal->get(), &metrics);
+  const auto host = meshes.Create("m", MeshOptions(), "");
+  ASSERT_TRUE(host.ok()) << host.status();
+  const auto count = [&](absl::string_view part) {
+    return ParsedMetrics(metrics.registry.Text())
+        .Value("dynmesh_snapshot_seconds_count", {{"part", std::string(part)}});
+  };
+  EXPECT_EQ(count("write"), 0);
+  for (const EditBatch& batch : {EditBatch{AddPoint(1)}, ManyPoints(2, 5)}) {
+    Mailbox<absl::Status> done;
+    EditJob job;
+    job.edits = batch;
+    job.done = [&](const auto& outcome) { done.Put(outcome.status()); };
+    ASSERT_TRUE((*host)->Apply(std::move(job)).ok());
+    ASSERT_TRUE(done.Take().ok());
+  }
+  test::WaitUntil("a snapshot", [&] { return count("take") == 1; });
+  meshes.WaitForSnapshots();
+  EXPECT_EQ(count("take"), 1);
+  EXPECT_EQ(count("encode"), 1);
+  EXPECT_EQ(count("write"), 1);
+}
+
 TEST(RecoveryMetricsTest, LongRecoveriesTellHowFarTheyAre) {
   ASSERT_TRUE(SetLogLevel("info").ok());
   testing::internal::CaptureStderr();

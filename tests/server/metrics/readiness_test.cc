@@ -41,7 +41,9 @@ class SlowJournal final : public Journal {
     return absl::OkStatus();
   }
   absl::StatusOr<std::uint64_t> Oldest(Key) override { return 0; }
-  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&) override {
+  using Journal::Compact;
+  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&,
+                       const std::atomic<bool>&) override {
     return absl::OkStatus();
   }
 

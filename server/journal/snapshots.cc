@@ -1,0 +1,121 @@
+#include "server/journal/snapshots.h"
+
+#include <chrono>
+#include <future>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "proto/codec/journal_codec.h"
+#include "server/journal/past_features.h"
+
+namespace dynmesh::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+absl::Status NotWanted() {
+  return absl::CancelledError("the mesh was closed while its snapshot was made");
+}
+
+}  // namespace
+
+Snapshots::Snapshots(Journal* journal, std::function<void(const Made&)> observe)
+    : journal_(journal), observe_(std::move(observe)) {}
+
+void Snapshots::Make(Order order) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!stopped_) {
+      orders_.insert(order.ended);
+      taker_.Post([this, shared = std::make_shared<Order>(std::move(order))] {
+        const Made made = Work(*shared);
+        if (made.status.ok() && observe_ != nullptr) observe_(made);
+        shared->done(made);
+        const std::lock_guard done(mutex_);
+        orders_.erase(shared->ended);
+        idle_.notify_all();
+      });
+      return;
+    }
+  }
+  Made made;
+  made.status = NotWanted();
+  order.done(made);
+}
+
+void Snapshots::Wait() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return orders_.empty(); });
+}
+
+void Snapshots::Stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    for (const auto& ended : orders_) *ended = true;
+  }
+  taker_.Stop();
+  writer_.Stop();
+}
+
+Snapshots::Made Snapshots::Work(Order& order) {
+  Made made;
+  std::vector<std::string> parts;
+  made.status = *order.ended ? NotWanted() : Take(order, &parts, &made);
+  order.features.reset();
+  if (!made.status.ok()) return made;
+  for (const std::string& part : parts) made.bytes += part.size();
+  const auto start = Clock::now();
+  made.status = Write(order, parts);
+  made.write = SecondsSince(start);
+  return made;
+}
+
+absl::Status Snapshots::Take(const Order& order, std::vector<std::string>* parts,
+                             Made* made) const {
+  const auto start = Clock::now();
+  const auto encode = [&](std::span<const Feature* const> features, const MeshHash& hash) {
+    made->take = SecondsSince(start);
+    *parts = codec::EncodeJournalSnapshot(features, hash, order.dimension, *order.ended);
+    made->encode = SecondsSince(start) - made->take;
+    return *order.ended ? NotWanted() : absl::OkStatus();
+  };
+  if (order.features.has_value()) {
+    std::vector<const Feature*> features;
+    features.reserve(order.features->features.size());
+    for (const Feature& feature : order.features->features) features.push_back(&feature);
+    return encode(features, order.features->hash);
+  }
+  PastFeatures past(order.dimension, MeshHash(), order.ended.get());
+  Journal::Visitor visitor;
+  visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
+    return past.AddPart(revision, part);
+  };
+  visitor.entry = [&](const Journal::Entry& entry) { return past.Apply(entry); };
+  absl::Status status = journal_->ReadPast(order.key, order.revision, order.revision, visitor);
+  if (status.ok() && past.revision() != order.revision) {
+    status = absl::DataLossError(
+        absl::StrCat("the journal ends at revision ", past.revision(), ", not ", order.revision));
+  }
+  if (status.ok() && past.bits() != kMeshBits) {
+    status = absl::DataLossError(absl::StrCat("revision ", order.revision, " has the bits ",
+                                              past.bits(), ", not ", kMeshBits));
+  }
+  made->unreadable = absl::IsDataLoss(status);
+  return status.ok() ? encode(past.features().Ordered(), past.hash()) : status;
+}
+
+// By the thread of normal priority; this one waits, so that there is one snapshot at a time.
+absl::Status Snapshots::Write(const Order& order, const std::vector<std::string>& parts) {
+  std::promise<absl::Status> written;
+  writer_.Post([&] {
+    written.set_value(journal_->Compact(order.key, order.revision, parts, *order.ended));
+  });
+  return written.get_future().get();
+}
+
+}  // namespace dynmesh::server
