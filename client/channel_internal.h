@@ -5,6 +5,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -38,6 +40,11 @@ inline absl::Status CheckDimension(int dimension) {
 inline void EncodeNewOptions(const MeshOptions& options, v1::MeshOptions* out) {
   codec::EncodeOptions(options, out);
   if (options.limits.max_vertices == Limits().max_vertices) out->clear_max_vertices();
+}
+
+// A wait on a condition variable must end at a time that its clock can tell.
+inline std::chrono::nanoseconds Bounded(absl::Duration limit) {
+  return absl::ToChronoNanoseconds(std::min(limit, absl::Hours(24 * 365)));
 }
 
 // True if a watch that ended with `status` is to be reopened: the server is unavailable, restarts

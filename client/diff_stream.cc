@@ -34,7 +34,7 @@ class GrpcDiffStream final : public DiffStream {
 
   absl::StatusOr<std::optional<Event>> Next(absl::Duration limit) override {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, absl::ToChronoNanoseconds(limit),
+    changed_.wait_for(lock, Bounded(limit),
                       [this] { return !events_.empty() || ended_.has_value() || cancelled_; });
     if (cancelled_) return absl::CancelledError("the stream was cancelled");
     if (!events_.empty()) {

@@ -118,7 +118,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
   bool WaitFor(const std::function<bool(const MeshReplica&)>& condition, absl::Duration limit) {
     std::unique_lock lock(mutex_);
     bool met = false;
-    changed_.wait_for(lock, absl::ToChronoNanoseconds(limit), [&] {
+    changed_.wait_for(lock, Bounded(limit), [&] {
       met = condition(replica_);
       return met || ended_.has_value();
     });

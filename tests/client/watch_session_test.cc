@@ -217,6 +217,25 @@ TEST_F(WatchSessionTest, TellsItsListenerEverythingInOrder) {
   EXPECT_EQ(session->ended()->code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(WatchSessionTest, RevisionZeroIsThereWithTheFirstSnapshot) {
+  Mailbox<int> go;
+  ScriptedServer script({[&](auto& context, auto& writer) {
+    go.Take();
+    Send(writer, meshes_[0]);
+    return Stay(context);
+  }});
+  const auto client = MeshClient::Connect(script.address());
+  const auto session = client->Watch("m", options_, nullptr);
+  EXPECT_FALSE(session->WaitForRevision(0, absl::Milliseconds(1)));
+  go.Put(0);
+  ASSERT_TRUE(session->WaitForRevision(0, absl::InfiniteDuration()));
+  session->Read([&](const MeshReplica& r) {
+    EXPECT_TRUE(r.has_mesh());
+    EXPECT_EQ(r.hash(), meshes_[0].hash);
+    EXPECT_EQ(r.vertex_count(), meshes_[0].vertices.ids.size());
+  });
+}
+
 TEST_F(WatchSessionTest, GivesUpAfterSoManyAttempts) {
   options_.max_attempts = 3;
   ScriptedServer script(std::vector<ScriptedServer::Act>(100, [](auto&, auto&) { return Down(); }));

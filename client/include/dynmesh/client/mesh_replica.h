@@ -68,7 +68,8 @@ class MeshReplica {
   State state() const;    // after the last event
   bool has_mesh() const;  // false before the first whole snapshot
 
-  // Of the last whole revision, in every state; 0 before the first.
+  // Of the last whole revision, in every state; 0 before the first, which a new mesh has, too: ask
+  // has_mesh().
 
   std::uint64_t revision() const;        // of the mesh
   MeshHash hash() const;                 // of the mesh held

@@ -65,12 +65,16 @@ class WatchSession {
   virtual void Stop() = 0;
 
   // Waits until `condition` holds for the replica; evaluates it after every event. False if `limit`
-  // is exceeded or the session ends first.
+  // is exceeded or the session ends first. The replica is empty before the first snapshot: see
+  // MeshReplica::has_mesh.
   virtual bool WaitFor(const std::function<bool(const MeshReplica&)>& condition,
                        absl::Duration limit) = 0;
-  // Waits until the replica is at `revision` or a later one, at most `limit`.
+  // Waits until the replica has a mesh, at `revision` or a later one, at most `limit`. With
+  // revision 0 that is the first snapshot.
   bool WaitForRevision(std::uint64_t revision, absl::Duration limit) {
-    return WaitFor([revision](const MeshReplica& r) { return r.revision() >= revision; }, limit);
+    return WaitFor(
+        [revision](const MeshReplica& r) { return r.has_mesh() && r.revision() >= revision; },
+        limit);
   }
 
   // Runs `reader` on the replica; no event is applied meanwhile.
