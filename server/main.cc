@@ -171,7 +171,7 @@ int Copy(const Flags& flags, Signals& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  dynmesh::ReturnLargeBlocks();
+  dynmesh::SetUpMemory(dynmesh::MemoryUse::kServer);
   dynmesh::server::RaiseDescriptorLimit();
   static Signals signals;
   CLI::App app{

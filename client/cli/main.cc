@@ -55,7 +55,7 @@ int Main(int argc, char** argv) {
 }  // namespace dynmesh::cli
 
 int main(int argc, char** argv) {
-  dynmesh::ReturnLargeBlocks();
+  dynmesh::SetUpMemory(dynmesh::MemoryUse::kCommand);
   // If the reader closes the pipe, the write fails instead of a signal ending the process.
   std::signal(SIGPIPE, SIG_IGN);
   try {
