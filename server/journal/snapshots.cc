@@ -91,12 +91,7 @@ absl::Status Snapshots::Take(const Order& order, std::vector<std::string>* parts
     return encode(features, order.features->hash);
   }
   PastFeatures past(order.dimension, MeshHash(), order.ended.get());
-  Journal::Visitor visitor;
-  visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
-    return past.AddPart(revision, part);
-  };
-  visitor.entry = [&](const Journal::Entry& entry) { return past.Apply(entry); };
-  absl::Status status = journal_->ReadPast(order.key, order.revision, order.revision, visitor);
+  absl::Status status = ReadBack(order, past);
   if (status.ok() && past.revision() != order.revision) {
     status = absl::DataLossError(
         absl::StrCat("the journal ends at revision ", past.revision(), ", not ", order.revision));
@@ -107,6 +102,35 @@ absl::Status Snapshots::Take(const Order& order, std::vector<std::string>* parts
   }
   made->unreadable = absl::IsDataLoss(status);
   return status.ok() ? encode(past.features().Ordered(), past.hash()) : status;
+}
+
+// All rows first: a thread of low priority may decode them for long, and an open transaction keeps
+// SQLite's log from starting anew, and PostgreSQL ends it.
+absl::Status Snapshots::ReadBack(const Order& order, PastFeatures& past) const {
+  std::vector<std::string> parts;
+  std::vector<Journal::Entry> entries;
+  std::uint64_t base = 0;
+  const auto wanted = [&] { return *order.ended ? NotWanted() : absl::OkStatus(); };
+  Journal::Visitor visitor;
+  visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
+    base = revision;
+    parts.push_back(part);
+    return wanted();
+  };
+  visitor.entry = [&](const Journal::Entry& entry) {
+    entries.push_back(entry);
+    return wanted();
+  };
+  absl::Status status = journal_->ReadPast(order.key, order.revision, order.revision, visitor);
+  for (std::string& part : parts) {
+    if (status.ok()) status = past.AddPart(base, part);
+    std::string().swap(part);
+  }
+  for (Journal::Entry& entry : entries) {
+    if (status.ok()) status = past.Apply(entry);
+    std::string().swap(entry.data);
+  }
+  return status;
 }
 
 // By the thread of normal priority; this one waits, so that there is one snapshot at a time.

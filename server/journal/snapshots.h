@@ -7,8 +7,8 @@
 // before is the newest, and a mesh is recovered from that.
 //
 // Threads: a background thread takes and encodes. Another one, of normal priority, writes, as
-// appends wait for each of its transactions. Memory: the features of one mesh, decoded, or its
-// snapshot's bytes. Thread-safe.
+// appends wait for each of its transactions. Memory: of one mesh the generation's bytes and the
+// features, decoded; then the snapshot's bytes. Thread-safe.
 #ifndef DYNMESH_SERVER_JOURNAL_SNAPSHOTS_H_
 #define DYNMESH_SERVER_JOURNAL_SNAPSHOTS_H_
 
@@ -29,6 +29,8 @@
 #include "server/journal/journal.h"
 
 namespace dynmesh::server {
+
+class PastFeatures;
 
 class Snapshots {
  public:
@@ -67,6 +69,7 @@ class Snapshots {
 
  private:
   Made Work(Order& order);
+  absl::Status ReadBack(const Order& order, PastFeatures& past) const;
   absl::Status Take(const Order& order, std::vector<std::string>* parts, Made* made) const;
   absl::Status Write(const Order& order, const std::vector<std::string>& parts);
 

@@ -16,6 +16,7 @@
 #include "tests/e2e/daemon.h"
 #include "tests/server/journal/postgres_server.h"
 #include "tests/support/deadline.h"
+#include "tests/support/held_port.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::test {
@@ -26,9 +27,10 @@ class ClusterTest : public ::testing::Test {
 
   // A server whose address outlives its process.
   struct Node {
+    HeldPort port;
     TempFolder folder;
     Daemon daemon{folder.path()};
-    std::string address;
+    const std::string address = port.address();
   };
 
   explicit ClusterTest(const std::string& lease = "3") : lease_(lease) {}
@@ -46,8 +48,8 @@ class ClusterTest : public ::testing::Test {
     const std::vector<std::string> flags = Flags();
     for (int i = 0; i < count; ++i) {
       nodes_.push_back(std::make_unique<Node>());
-      ASSERT_TRUE(nodes_.back()->daemon.Start(flags)) << nodes_.back()->daemon.Log();
-      nodes_.back()->address = nodes_.back()->daemon.address();
+      Node& node = *nodes_.back();
+      ASSERT_TRUE(node.daemon.Start(flags, node.address.c_str())) << node.daemon.Log();
     }
   }
   // At the same address, with the same flags.

@@ -7,12 +7,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -52,12 +55,18 @@ class Daemon {
     return child_ > 0;
   }
 
-  // False if it does not come up.
+  // False if it does not come up: it ends, or it does nothing for `limit`. On a busy machine a
+  // start may take longer than that.
   bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0",
              std::chrono::seconds limit = std::chrono::seconds(60)) {
     if (!Spawn(std::move(arguments), listen)) return false;
-    const auto deadline = std::chrono::steady_clock::now() + limit;
+    auto deadline = std::chrono::steady_clock::now() + limit;
+    std::uint64_t work = 0;
     while (!std::filesystem::exists(PortFile())) {
+      if (const std::uint64_t now = Work(); now != work) {
+        work = now;
+        deadline = std::chrono::steady_clock::now() + limit;
+      }
       if (std::chrono::steady_clock::now() > deadline) return false;
       if (int status = 0; waitpid(child_, &status, WNOHANG) == child_) {
         child_ = 0;
@@ -93,6 +102,25 @@ class Daemon {
   }
 
  private:
+  // Grows while the process does something: its processor time, and the bytes that it read and
+  // wrote.
+  std::uint64_t Work() const {
+    const std::string proc = "/proc/" + std::to_string(child_);
+    std::uint64_t sum = 0;
+    std::ifstream io(proc + "/io");
+    std::string word;
+    for (std::uint64_t value = 0; io >> word >> value;) sum += value;
+    std::ifstream stat(proc + "/stat");
+    std::getline(stat, word, ')');  // the name may have spaces
+    std::uint64_t value = 0;
+    for (int field = 3; field <= 15 && stat >> word; ++field) {
+      if (field >= 14 &&
+          std::from_chars(word.data(), word.data() + word.size(), value).ec == std::errc())
+        sum += value;
+    }
+    return sum;
+  }
+
   std::string PortFile() const { return folder_ + "/port"; }
 
   const std::string folder_;

@@ -186,9 +186,9 @@ TEST_F(BuildResultTest, InputIsRefusedAsInProcess) {
   EXPECT_EQ(codec::GetServiceError(build.SendLastAndFinish())->field, "features[70]");
 }
 
-TEST_F(BuildResultTest, LimitsAndCancellationEndALongBuildSoon) {
+// By itself it would not end.
+TEST_F(BuildResultTest, LimitsAndCancellationEndALongBuild) {
   StartUnlimited();
-  const auto start = absl::Now();
   BuildParams params;
   params.max_time = absl::Milliseconds(300);
   EXPECT_EQ(ReasonOf(client_->BuildMesh({}, EndlessOptions(), params).status()),
@@ -216,17 +216,20 @@ TEST_F(BuildResultTest, LimitsAndCancellationEndALongBuildSoon) {
     return ReasonOf(status) != codec::reason::kStreamLimit;
   });
   EXPECT_EQ(ReasonOf(status), reason::kVertexLimit);
-  EXPECT_LT(absl::Now() - start, absl::Seconds(20));
 }
 
 TEST_F(BuildResultTest, ADrainStopsALongBuild) {
   StartUnlimited();
   Mailbox<absl::Status> ended;
-  std::thread builder([&] { ended.Put(client_->BuildMesh({}, EndlessOptions()).status()); });
-  absl::SleepFor(absl::Milliseconds(300));
-  const auto start = absl::Now();
+  Mailbox<int> refines;
+  BuildParams params;
+  params.progress = [&](const client::LoadProgress& p) {
+    if (p.stage == client::LoadProgress::Stage::kRefine) refines.Put(0);
+  };
+  std::thread builder(
+      [&] { ended.Put(client_->BuildMesh({}, EndlessOptions(), params).status()); });
+  refines.Take();
   EXPECT_TRUE(server_->Drain(kLong));
-  EXPECT_LT(absl::Now() - start, absl::Seconds(10));
   EXPECT_EQ(ReasonOf(ended.Take()), codec::reason::kDraining);
   builder.join();
 }

@@ -293,9 +293,10 @@ TEST_F(BuildTest, TheClientLibraryTellsProgressAndCancels) {
     told.push_back(p);
     cancelled = true;
   };
-  // A fake tells nothing while it is held: begin half a second after the call.
+  // A fake tells nothing while it is held: begin half a second after the report before.
   RawBuild slow(*stub_, MeshOptions());
   ASSERT_TRUE(slow.Send());
+  ASSERT_TRUE(slow.WaitUntilReceived().has_value());
   absl::SleepFor(absl::Milliseconds(600));
   slow.Add(AddPoint(1).feature);
   ASSERT_TRUE(slow.SendLast());

@@ -2,6 +2,7 @@
 // which a load ends before.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <optional>
 #include <thread>
 
@@ -52,13 +53,17 @@ class RawLoad {
     if (!stream_->Read(&response)) return std::nullopt;
     return response;
   }
-  // Returns when the server has received the messages: it reports that after half a second.
-  void WaitUntilReceived() {
-    absl::SleepFor(absl::Milliseconds(600));
-    ASSERT_TRUE(Send());
-    const auto response = Receive();
-    ASSERT_TRUE(response.has_value());
-    EXPECT_EQ(response->stage(), Response::RECEIVING);
+  // Returns when the server has received the messages. It reports that with the first message
+  // half a second after it began the call: empty ones are sent until then.
+  std::optional<Response> WaitUntilReceived() {
+    std::atomic<bool> reported{false};
+    std::thread sender([&] {
+      while (!reported && Send()) absl::SleepFor(absl::Milliseconds(50));
+    });
+    auto response = Receive();
+    reported = true;
+    sender.join();
+    return response;
   }
   void HalfClose() { stream_->WritesDone(); }
   // Reads to the end and returns the status; messages before it go to responses().
@@ -168,15 +173,12 @@ TEST_F(LoadTest, TellsHowFarItIsInOrder) {
   RawLoad load(*stub_);
   load.Add(AddPoint(1).feature);
   ASSERT_TRUE(load.Send());
-  // Half a second after the call began, and that may be late.
-  absl::SleepFor(absl::Seconds(2));
-  load.Add(AddPoint(2).feature);
-  ASSERT_TRUE(load.Send());
-  const auto receiving = load.Receive();
+  const auto receiving = load.WaitUntilReceived();
   ASSERT_TRUE(receiving.has_value());
   EXPECT_EQ(receiving->stage(), Response::RECEIVING);
-  EXPECT_EQ(receiving->done(), 2u);
+  EXPECT_EQ(receiving->done(), 1u);
   EXPECT_EQ(receiving->total(), 0u);
+  load.Add(AddPoint(2).feature);
   load.message().set_last(true);
   ASSERT_TRUE(load.Send());
   gate_->WaitForArrivals(1);
@@ -379,7 +381,7 @@ TEST_F(LoadTest, AMeshDeletedMeanwhileEndsTheLoad) {
   RawLoad load(*stub_);
   load.Add(AddPoint(1).feature);
   ASSERT_TRUE(load.Send());
-  load.WaitUntilReceived();
+  ASSERT_TRUE(load.WaitUntilReceived().has_value());
   ASSERT_TRUE(client_->DeleteMesh("m").ok());
   load.Add(AddPoint(2).feature);
   const absl::Status status = load.SendLastAndFinish();
@@ -443,7 +445,7 @@ TEST_F(LoadTest, ADrainEndsWhatIsBeingSentAndWaitsForWhatRuns) {
   RawLoad half(*stub_, "meshes/n");
   half.Add(AddPoint(1).feature);
   ASSERT_TRUE(half.Send());
-  half.WaitUntilReceived();
+  ASSERT_TRUE(half.WaitUntilReceived().has_value());
   gate_->Hold();
   RawLoad whole(*stub_);
   whole.Add(AddPoint(1).feature);

@@ -4,10 +4,13 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
@@ -37,6 +40,18 @@ class RawBuild {
   std::optional<Response> Receive() {
     Response response;
     if (!stream_->Read(&response)) return std::nullopt;
+    return response;
+  }
+  // The first report: with the first message half a second after the server began the call. Empty
+  // ones are sent until then.
+  std::optional<Response> WaitUntilReceived() {
+    std::atomic<bool> reported{false};
+    std::thread sender([&] {
+      while (!reported && Send()) absl::SleepFor(absl::Milliseconds(50));
+    });
+    auto response = Receive();
+    reported = true;
+    sender.join();
     return response;
   }
   // Reads to the end and returns the status; messages before it go to responses().

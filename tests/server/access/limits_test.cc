@@ -8,6 +8,7 @@
 
 #include "dynmesh/error.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -69,18 +70,16 @@ TEST_F(LimitsTest, VerticesOfAMeshFollowFromTheMemory) {
 
 TEST_F(LimitsTest, RequestsASecond) {
   ServerConfig config;
-  config.max_requests_per_second = 20;
+  config.max_requests_per_second = 1;
   StartWithMesh(config);
-  int refused = 0;
-  absl::Duration wait;
-  for (int i = 0; i < 40; ++i) {
-    const absl::Status status = client_->GetMesh("m").status();
-    if (status.ok()) continue;
-    ++refused;
-    EXPECT_EQ(ReasonOf(status), codec::reason::kRateLimit);
-    wait = *codec::GetServiceError(status)->retry_after;
-  }
-  ASSERT_GT(refused, 0);  // unless forty calls took a second
+  absl::Status status;
+  test::WaitUntil("two calls within a second", [&] {
+    status = client_->GetMesh("m").status();
+    return !status.ok();
+  });
+  EXPECT_EQ(ReasonOf(status), codec::reason::kRateLimit);
+  const absl::Duration wait = *codec::GetServiceError(status)->retry_after;
+  EXPECT_LE(wait, absl::Seconds(1));
   absl::SleepFor(wait + absl::Milliseconds(50));
   EXPECT_TRUE(client_->GetMesh("m").ok());
   // Batches of a stream count, one by one.
@@ -90,8 +89,8 @@ TEST_F(LimitsTest, RequestsASecond) {
   ASSERT_TRUE(edits->DoneSending().ok());
   int applied = 0;
   while (const auto answer = edits->Receive()) applied += answer->result.ok() ? 1 : 0;
-  EXPECT_GE(applied, 15);
-  EXPECT_LT(applied, 40);
+  EXPECT_GE(applied, 1);
+  EXPECT_LT(applied, 40);  // that takes 39 seconds
   EXPECT_EQ(HeadOf().revision, static_cast<std::uint64_t>(applied));
 }
 
@@ -113,14 +112,15 @@ class MemoryLimitTest : public ServerFixture {
   // Until the server has measured.
   absl::Status Until(bool ok, FeatureId id) {
     absl::Status status;
-    for (int i = 0; i < 100; ++i) {
+    test::WaitUntil("a measurement", [&] {
       status = client_->Apply("m", {AddPoint(id)}).status();
-      if (status.ok() == ok) return status;
+      if (status.ok() == ok) return true;
       if (status.ok()) {
         EXPECT_TRUE(client_->Apply("m", {Edit::Remove(id)}).ok());
       }
       absl::SleepFor(absl::Milliseconds(50));
-    }
+      return false;
+    });
     return status;
   }
 };

@@ -138,9 +138,10 @@ class PostgresCutOffTest : public PostgresOutcomeTest {
 
   void OpenWith(absl::Duration lease) {
     journal_.reset();
-    options_.resolve_for = absl::Minutes(1);
+    // Longer than a test may take: what waits for these fails.
+    options_.resolve_for = absl::Hours(1);
     options_.lease = lease;
-    const std::string url = server_.Url(database_, proxy_.folder()) + "?connect_timeout=60";
+    const std::string url = server_.Url(database_, proxy_.folder()) + "?connect_timeout=3600";
     auto opened = PostgresJournal::Open(url, options_);
     ASSERT_TRUE(opened.ok()) << opened.status();
     journal_ = *std::move(opened);
@@ -166,18 +167,14 @@ class PostgresCutOffTest : public PostgresOutcomeTest {
 
 TEST_F(PostgresCutOffTest, AnOutcomeIsLookedForUntilTheLeaseEnds) {
   proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Refuse(true); });
-  const absl::Time start = absl::Now();
   EXPECT_EQ(OutcomeOf(Append(last_ + 1)), AppendOutcome::kUnknown);
-  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
   proxy_.Refuse(false);
   ExpectThatAllGoesOn();
 }
 
 TEST_F(PostgresCutOffTest, AConnectionThatIsNotMadeIsNotWaitedForLonger) {
   proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Ignore(true); });
-  const absl::Time start = absl::Now();
   EXPECT_EQ(OutcomeOf(Append(last_ + 1)), AppendOutcome::kUnknown);
-  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
   proxy_.Ignore(false);
   ExpectThatAllGoesOn();
 }
@@ -185,7 +182,6 @@ TEST_F(PostgresCutOffTest, AConnectionThatIsNotMadeIsNotWaitedForLonger) {
 TEST_F(PostgresCutOffTest, WhetherAMeshWasMadeOrDeletedMayStayUnknown) {
   // Prepared, as above.
   ASSERT_TRUE(journal_->Delete(*journal_->Create("prepared", "")).ok());
-  const absl::Time start = absl::Now();
   proxy_.CutNext(
       Cut::kAnswer, [this] { proxy_.Ignore(true); }, /*skipped=*/1);  // that of the key
   const absl::Status made = journal_->Create("other", "").status();
@@ -197,7 +193,6 @@ TEST_F(PostgresCutOffTest, WhetherAMeshWasMadeOrDeletedMayStayUnknown) {
   proxy_.CutNext(Cut::kAnswer, [this] { proxy_.Ignore(true); });
   const absl::Status deleted = journal_->Delete(key_);
   EXPECT_TRUE(absl::IsUnknown(deleted)) << deleted;
-  EXPECT_LT(absl::Now() - start, absl::Seconds(30));
   proxy_.Ignore(false);
   EXPECT_TRUE(absl::IsNotFound(journal_->Delete(key_)));
 }
