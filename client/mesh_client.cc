@@ -163,8 +163,8 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect
   }
-  // A restarting server returns soon; gRPC alone would retry only every two minutes eventually.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  // The connector decides when the next attempt is due.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
   impl->stub = std::make_shared<Stub>(address, Credentials(options), arguments, options.token,
@@ -307,6 +307,10 @@ absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::ui
   request.set_omit_columns(params.omit_columns);
   return impl_->Edit(&Stub::Service::RevertTo, request, !params.request_id.empty());
 }
+
+void MeshClient::PauseBeforeRetry(absl::Duration limit) { impl_->stub->connector().Pause(limit); }
+
+std::uint64_t MeshClient::servers_returned() const { return impl_->stub->connector().reached(); }
 
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
   return StartEditSession(impl_->stub, mesh, stop_on_error, absl::InfiniteDuration());

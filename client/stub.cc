@@ -89,6 +89,7 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
   if (!absl::IsUnavailable(status)) return Next::kOver;
   const auto error = codec::GetServiceError(status);
   const std::string reason = error.has_value() ? error->reason : "";
+  if (reason.empty()) connector_.Reach(asked.channel);
   const std::lock_guard lock(mutex_);
   if (reason == codec::reason::kNotOwner) {
     const auto owner = error->metadata.find("owner");

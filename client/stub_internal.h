@@ -21,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client/connector_internal.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "proto/codec/status_codec.h"
 
@@ -88,6 +89,8 @@ class Stub {
   // True if there is more than one server.
   bool is_shared() const;
 
+  Connector& connector() { return connector_; }
+
   // Runs `run(service, context)`, which returns a status or a value, where the mesh is: a bounded
   // number of times, with pauses, until `timeout`.
   template <class Run>
@@ -118,6 +121,8 @@ class Stub {
   std::map<std::string, std::string> routes_;  // the address of a mesh's server
   std::map<std::string, std::uint64_t> seen_;  // revisions, if reads may be a follower's
   std::map<std::string, ServerPtr> servers_;   // by address
+
+  Connector connector_;
 };
 
 template <class Run>
@@ -142,7 +147,7 @@ auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeo
     }
     if (next == Next::kAfterPause) redirects = 0;
     if (absl::Now() + pause >= end) return result;
-    absl::SleepFor(pause);
+    connector_.Pause(pause);
     pause = std::min(1.5 * pause, kLongest);
   }
 }
