@@ -111,6 +111,7 @@ class GrpcDiffStream final : public DiffStream {
     heard_ = false;
     const std::string key = stub_->ReadKey(mesh_);
     const Stub::ServerPtr server = stub_->Of(key);
+    WaitingCalls::Call call(stub_->waiting(), key, server->address, &context, /*is_stream=*/true);
     auto stream = server->service->Watch(&context, request);
     codec::SnapshotAssembler snapshot;
     codec::DiffAssembler diff;
@@ -118,6 +119,7 @@ class GrpcDiffStream final : public DiffStream {
     v1::WatchEvent event;
     while (broken.ok() && stream->Read(&event)) {
       heard_ = true;
+      call.Heard(/*more=*/false);
       if (event.has_snapshot()) {
         auto whole = snapshot.Add(event.snapshot());
         broken = whole.status();

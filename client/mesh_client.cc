@@ -156,13 +156,15 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   // Another server may take the place of one whose machine or network is gone: a call notices it
-  // after the two times together.
+  // after the two times together, if WaitingCalls does not.
   const bool is_one = address.find(',') == std::string::npos;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 5'000);
   if (!is_one) {
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect
   }
+  // Otherwise a watch without events would not be looked after any more after two pings.
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   // The connector decides when the next attempt is due.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
@@ -180,8 +182,8 @@ absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const Mes
   request.set_request_id(request_id);
   EncodeNewOptions(options, request.mutable_options());
   v1::Mesh response;
-  // A retry of one without a name has to get to the server of the first.
-  const std::string name = id.empty() ? "request " + request_id : FullName(id);
+  // A retry has to get to the server of the first. Any server can make it.
+  const std::string name = id.empty() ? "request " + request_id : "creation of " + FullName(id);
   if (auto s =
           impl_->Call(name, !request_id.empty(), &Stub::Service::CreateMesh, request, &response);
       !s.ok())

@@ -1,3 +1,5 @@
+#include <iterator>
+#include <random>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -74,6 +76,30 @@ void Stub::Saw(const std::string& mesh, std::uint64_t revision) {
 bool Stub::is_shared() const {
   const std::lock_guard lock(mutex_);
   return known_.size() > 1;
+}
+
+std::string Stub::AddressOtherThan(const std::string& address) const {
+  thread_local std::minstd_rand random{std::random_device()()};
+  std::vector<std::string> others;
+  const std::lock_guard lock(mutex_);
+  std::copy_if(known_.begin(), known_.end(), std::back_inserter(others),
+               [&](const std::string& known) { return known != address; });
+  return others.empty() ? "" : others[random() % others.size()];
+}
+
+bool Stub::Knows(const std::string& address) const {
+  const std::lock_guard lock(mutex_);
+  return std::find(known_.begin(), known_.end(), address) != known_.end();
+}
+
+Stub::ServerPtr Stub::At(const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  return AtLocked(address);
+}
+
+void Stub::Moved(const std::string& mesh, const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  routes_[mesh] = address;
 }
 
 // Another server is asked next.

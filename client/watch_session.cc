@@ -26,6 +26,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
     const std::string key = stub.ReadKey(request_.mesh());
     server_ = stub.Of(key);
     stub.Prepare(context_);
+    call_.emplace(stub.waiting(), key, server_->address, &context_, /*is_stream=*/true);
     server_->service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
     StartCall();
@@ -40,6 +41,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
   const v1::WatchRequest request_;
   Stub::ServerPtr server_;
   grpc::ClientContext context_;
+  std::optional<WaitingCalls::Call> call_;
   v1::WatchEvent event_;
 };
 
@@ -227,6 +229,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
 
 void Stream::OnReadDone(bool ok) {
   if (!ok) return;  // OnDone follows
+  call_->Heard(/*more=*/false);
   if (follower_->Take(event_)) {
     StartRead(&event_);
   } else {

@@ -116,9 +116,11 @@ struct ClientOptions {
 // that one by itself, as NOT_OWNER names it, and repeats the call there. If a server that has
 // meshes ends, another one takes them over after some seconds. So, if the client knows several
 // servers, it repeats a call that one of them did not answer, or answered with OUTCOME_UNKNOWN, at
-// another: reads, and changes with a request_id, some ten seconds long. Apart from that it never
-// repeats a call. A load, and an edit session, are not repeated, but the next one goes to the right
-// server; after JOURNAL_FAILED the next call asks another one.
+// another: reads, and changes with a request_id, some ten seconds long. A call without an answer
+// for a second makes it ask another server where the mesh is; if it is no longer at the one that
+// was asked, the call is repeated where it is. Apart from that the client never repeats a call. A
+// load, and an edit session, are not repeated, but the next one goes to the right server; after
+// JOURNAL_FAILED the next call asks another one.
 //
 // The client reconnects to a server by itself, in a thread of its own, for half a minute after the
 // last call that did not reach it. Pauses between attempts are about a third of the time that has
