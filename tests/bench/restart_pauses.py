@@ -62,18 +62,18 @@ class Successes:
         self._first_after: dict[Any, float] = {}
         self._since = float("inf")
 
-    def add(self, who: Any) -> None:
+    def add(self, client: Any) -> None:
         now = time.monotonic()
         with self._lock:
-            self._last[who] = now
+            self._last[client] = now
             if now > self._since:
-                self._first_after.setdefault(who, now)
+                self._first_after.setdefault(client, now)
 
     def begin(self, moment: float) -> None:
         """From now on the first success after that moment counts, which has just been."""
         with self._lock:
             self._since = moment
-            self._first_after = {who: at for who, at in self._last.items() if at > moment}
+            self._first_after = {client: at for client, at in self._last.items() if at > moment}
 
     def pauses(self, count: int, limit: float) -> list[float]:
         """The seconds from the moment to the first success of each."""
