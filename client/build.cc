@@ -33,7 +33,8 @@ Request FirstMessage(const MeshOptions& options, const BuildParams& params) {
 class Builder {
  public:
   Builder(Stub& stub, const MeshOptions& options, const BuildParams& params, absl::Duration timeout)
-      : params_(params),
+      : stub_(stub),
+        params_(params),
         server_(stub.Of("")),
         stream_(server_->service->BuildMesh(Prepare(stub, timeout))),
         sender_(context_, *stream_, FirstMessage(options, params), options.dimension,
@@ -43,8 +44,10 @@ class Builder {
     std::thread receiver([this] { Receive(); });
     sender_.SendAll([&] { return std::exchange(features, {}); });
     receiver.join();
-    const grpc::Status status = stream_->Finish();
-    if (!status.ok()) return codec::FromGrpcStatus(status);
+    const absl::Status status = codec::FromGrpcStatus(stream_->Finish());
+    // The next build goes to a server that can be reached.
+    stub_.Learn("", *server_, status, /*repeatable=*/false);
+    if (!status.ok()) return status;
     if (!broken_.ok()) return broken_;
     if (!mesh_.has_value()) return absl::DataLossError("the server sent no whole mesh");
     // The rows must have the hash that came with them.
@@ -79,6 +82,7 @@ class Builder {
     }
   }
 
+  Stub& stub_;
   const BuildParams& params_;
   const Stub::ServerPtr server_;
   grpc::ClientContext context_;

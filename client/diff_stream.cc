@@ -26,8 +26,11 @@ class GrpcDiffStream final : public DiffStream {
         options_(options),
         revision_(options.start_revision),
         hash_(options.start_hash),
-        reader_([this] { Run(); }) {}
+        reader_([this] { Run(); }) {
+    stub_->connector().Listen(this, [this] { ServerIsBack(); });
+  }
   ~GrpcDiffStream() override {
+    stub_->connector().Unlisten(this);
     Cancel();
     reader_.join();
   }
@@ -56,12 +59,12 @@ class GrpcDiffStream final : public DiffStream {
 
  private:
   void Run() {
-    absl::Duration pause = kFirstPause;
+    Backoff backoff(kFirstPause, kLongestPause);
     absl::Time last_sign = absl::Now();
     for (;;) {
       const std::uint64_t revision_before = revision_;
       const absl::Status status = ReadStream();
-      if (revision_ != revision_before || heard_) last_sign = absl::Now(), pause = kFirstPause;
+      if (revision_ != revision_before || heard_) last_sign = absl::Now(), backoff.Succeeded();
       std::unique_lock lock(mutex_);
       if (cancelled_) return;
       if (status.code() == absl::StatusCode::kOutOfRange && options_.takes_snapshots &&
@@ -74,10 +77,19 @@ class GrpcDiffStream final : public DiffStream {
         changed_.notify_all();
         return;
       }
-      changed_.wait_for(lock, absl::ToChronoNanoseconds(pause), [this] { return cancelled_; });
+      const bool waits_for_server = absl::IsUnavailable(status);
+      server_is_back_ = false;
+      changed_.wait_for(lock, absl::ToChronoNanoseconds(backoff.Failed()),
+                        [&] { return cancelled_ || (waits_for_server && server_is_back_); });
       if (cancelled_) return;
-      pause = std::min(2 * pause, kLongestPause);
     }
+  }
+
+  // A server that could not be reached can be.
+  void ServerIsBack() {
+    const std::lock_guard lock(mutex_);
+    server_is_back_ = true;
+    changed_.notify_all();
   }
 
   // One Watch call, until it ends.
@@ -97,7 +109,9 @@ class GrpcDiffStream final : public DiffStream {
       context_ = &context;
     }
     heard_ = false;
-    const Stub::ServerPtr server = stub_->Of(stub_->ReadKey(mesh_));
+    const std::string key = stub_->ReadKey(mesh_);
+    const Stub::ServerPtr server = stub_->Of(key);
+    WaitingCalls::Call call(stub_->waiting(), key, server->address, &context, /*is_stream=*/true);
     auto stream = server->service->Watch(&context, request);
     codec::SnapshotAssembler snapshot;
     codec::DiffAssembler diff;
@@ -105,6 +119,7 @@ class GrpcDiffStream final : public DiffStream {
     v1::WatchEvent event;
     while (broken.ok() && stream->Read(&event)) {
       heard_ = true;
+      call.Heard(/*more=*/false);
       if (event.has_snapshot()) {
         auto whole = snapshot.Add(event.snapshot());
         broken = whole.status();
@@ -122,7 +137,7 @@ class GrpcDiffStream final : public DiffStream {
     }
     if (!broken.ok()) context.TryCancel();
     const absl::Status status = UnlessCancelledHere(codec::FromGrpcStatus(stream->Finish()));
-    stub_->Learn(stub_->ReadKey(mesh_), *server, status, /*repeatable=*/true);
+    stub_->Learn(key, *server, status, /*repeatable=*/true);
     const std::lock_guard lock(mutex_);
     context_ = nullptr;
     return broken.ok() ? status : broken;
@@ -151,6 +166,7 @@ class GrpcDiffStream final : public DiffStream {
   std::deque<Event> events_;
   std::optional<absl::Status> ended_;
   bool cancelled_ = false;
+  bool server_is_back_ = false;
   grpc::ClientContext* context_ = nullptr;  // of the running call
 
   // Used by the reader only.

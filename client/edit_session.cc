@@ -1,6 +1,7 @@
 #include "dynmesh/client/edit_session.h"
 
 #include <atomic>
+#include <optional>
 #include <utility>
 
 #include "client/channel_internal.h"
@@ -19,6 +20,8 @@ class GrpcEditSession final : public EditSession {
     stub_->Resolve(FullName(mesh_), timeout);
     server_ = stub_->Of(FullName(mesh_));
     stub_->Prepare(context_, timeout);
+    call_.emplace(stub_->waiting(), FullName(mesh_), server_->address, &context_,
+                  /*is_stream=*/true);
     stream_ = server_->service->EditStream(&context_);
   }
 
@@ -34,6 +37,7 @@ class GrpcEditSession final : public EditSession {
   absl::Status Send(const EditBatch& edits, const EditParams& params) override {
     if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
     std::size_t next = 0;
+    ++unanswered_;
     do {
       const std::size_t end = PartEnd<Edit>(edits, next);
       message_.Clear();
@@ -46,6 +50,7 @@ class GrpcEditSession final : public EditSession {
         return absl::UnavailableError("the stream has ended: receive what is left, then finish");
       }
     } while (next < edits.size());
+    call_->Expect();
     return absl::OkStatus();
   }
 
@@ -58,11 +63,17 @@ class GrpcEditSession final : public EditSession {
     while (stream_->Read(&answer_)) {
       if (answer_.status().code() != 0) {
         results_.assembler.Reset();
+        Answered();
         return Answer{answer_.request_id(), Learned(codec::StatusFromProto(answer_.status()))};
       }
       auto result = results_.Add(answer_);
+      if (result.ok() && !result->has_value()) {
+        call_->Heard(/*more=*/true);
+        continue;
+      }
+      Answered();
       if (!result.ok()) return Answer{answer_.request_id(), result.status()};
-      if (result->has_value()) return Answer{answer_.request_id(), **std::move(result)};
+      return Answer{answer_.request_id(), **std::move(result)};
     }
     return std::nullopt;
   }
@@ -79,6 +90,10 @@ class GrpcEditSession final : public EditSession {
   }
 
  private:
+  // Should a batch be sent at this moment, its answer may not be waited for: as a stream the
+  // session is looked after anyway.
+  void Answered() { call_->Heard(/*more=*/--unanswered_ > 0); }
+
   // The next session goes to the mesh's server.
   absl::Status Learned(const absl::Status& status) const {
     stub_->Learn(FullName(mesh_), *server_, status, /*repeatable=*/false);
@@ -104,7 +119,9 @@ class GrpcEditSession final : public EditSession {
   const bool stop_on_error_;
   Stub::ServerPtr server_;
   grpc::ClientContext context_;
+  std::optional<WaitingCalls::Call> call_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
+  std::atomic<int> unanswered_{0};  // batches
   bool named_ = false;
   bool finished_ = false;
   std::atomic<bool> cancelled_{false};

@@ -33,8 +33,8 @@ class Loader {
         params_(params),
         server_(stub.Of(mesh_)),
         stream_(server_->service->LoadFeatures(Prepare(stub, timeout))),
-        sender_(context_, *stream_, FirstMessage(mesh, params), params.dimension,
-                params.cancelled) {}
+        sender_(context_, *stream_, FirstMessage(mesh, params), params.dimension, params.cancelled),
+        call_(stub.waiting(), mesh_, server_->address, &context_, /*is_stream=*/true) {}
 
   absl::StatusOr<LoadResult> Run(const FeatureSource& source) {
     std::thread receiver([this] { Receive(); });
@@ -63,6 +63,7 @@ class Loader {
   void Receive() {
     Response response;
     while (stream_->Read(&response)) {
+      call_.Heard(/*more=*/false);
       if (response.has_result()) {
         result_ = std::move(*response.mutable_result());
       } else if (params_.progress != nullptr) {
@@ -79,6 +80,7 @@ class Loader {
   grpc::ClientContext context_;
   const std::unique_ptr<Stream> stream_;
   FeatureSender<v1::LoadFeaturesRequest, Stream> sender_;
+  WaitingCalls::Call call_;
   std::optional<v1::LoadResult> result_;
 };
 

@@ -156,15 +156,17 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   // Another server may take the place of one whose machine or network is gone: a call notices it
-  // after the two times together.
+  // after the two times together, if WaitingCalls does not.
   const bool is_one = address.find(',') == std::string::npos;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, is_one ? 60'000 : 5'000);
   if (!is_one) {
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);  // limits an attempt to connect
   }
-  // A restarting server returns soon; gRPC alone would retry only every two minutes eventually.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  // Otherwise a watch without events would not be looked after any more after two pings.
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  // The connector decides when the next attempt is due.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
   impl->stub = std::make_shared<Stub>(address, Credentials(options), arguments, options.token,
@@ -180,8 +182,8 @@ absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const Mes
   request.set_request_id(request_id);
   EncodeNewOptions(options, request.mutable_options());
   v1::Mesh response;
-  // A retry of one without a name has to get to the server of the first.
-  const std::string name = id.empty() ? "request " + request_id : FullName(id);
+  // A retry has to get to the server of the first. Any server can make it.
+  const std::string name = id.empty() ? "request " + request_id : "creation of " + FullName(id);
   if (auto s =
           impl_->Call(name, !request_id.empty(), &Stub::Service::CreateMesh, request, &response);
       !s.ok())
@@ -307,6 +309,10 @@ absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::ui
   request.set_omit_columns(params.omit_columns);
   return impl_->Edit(&Stub::Service::RevertTo, request, !params.request_id.empty());
 }
+
+void MeshClient::PauseBeforeRetry(absl::Duration limit) { impl_->stub->connector().Pause(limit); }
+
+std::uint64_t MeshClient::servers_returned() const { return impl_->stub->connector().reached(); }
 
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
   return StartEditSession(impl_->stub, mesh, stop_on_error, absl::InfiniteDuration());

@@ -1,3 +1,5 @@
+#include <iterator>
+#include <random>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -76,6 +78,30 @@ bool Stub::is_shared() const {
   return known_.size() > 1;
 }
 
+std::string Stub::AddressOtherThan(const std::string& address) const {
+  thread_local std::minstd_rand random{std::random_device()()};
+  std::vector<std::string> others;
+  const std::lock_guard lock(mutex_);
+  std::copy_if(known_.begin(), known_.end(), std::back_inserter(others),
+               [&](const std::string& known) { return known != address; });
+  return others.empty() ? "" : others[random() % others.size()];
+}
+
+bool Stub::Knows(const std::string& address) const {
+  const std::lock_guard lock(mutex_);
+  return std::find(known_.begin(), known_.end(), address) != known_.end();
+}
+
+Stub::ServerPtr Stub::At(const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  return AtLocked(address);
+}
+
+void Stub::Moved(const std::string& mesh, const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  routes_[mesh] = address;
+}
+
 // Another server is asked next.
 void Stub::AvoidLocked(const std::string& mesh, const std::string& address) {
   if (const auto route = routes_.find(mesh); route != routes_.end() && route->second == address) {
@@ -89,6 +115,7 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
   if (!absl::IsUnavailable(status)) return Next::kOver;
   const auto error = codec::GetServiceError(status);
   const std::string reason = error.has_value() ? error->reason : "";
+  if (reason.empty()) connector_.Reach(asked.channel);
   const std::lock_guard lock(mutex_);
   if (reason == codec::reason::kNotOwner) {
     const auto owner = error->metadata.find("owner");

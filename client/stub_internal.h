@@ -1,7 +1,8 @@
 // The servers that a client knows, and which of them has which mesh. A mesh that several servers
 // share is one server's at a time: the others answer NOT_OWNER and name it. So the client goes
-// there and remembers it; if it cannot be reached, the client asks the others. Includes gRPC, which
-// no public header may do. Thread-safe.
+// there and remembers it; if it cannot be reached, the client asks the others
+// (waiting_calls_internal.h says what happens if it does not answer). Includes gRPC, which no
+// public header may do. Thread-safe.
 #ifndef DYNMESH_CLIENT_STUB_INTERNAL_H_
 #define DYNMESH_CLIENT_STUB_INTERNAL_H_
 
@@ -21,6 +22,8 @@
 #include "absl/status/statusor.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client/connector_internal.h"
+#include "client/waiting_calls_internal.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "proto/codec/status_codec.h"
 
@@ -88,6 +91,19 @@ class Stub {
   // True if there is more than one server.
   bool is_shared() const;
 
+  // For WaitingCalls.
+
+  // Null unless there is more than one server.
+  WaitingCalls* waiting() { return is_shared() ? &waiting_ : nullptr; }
+  // A server that is known, by chance; empty if there is no other.
+  std::string AddressOtherThan(const std::string& address) const;
+  bool Knows(const std::string& address) const;
+  ServerPtr At(const std::string& address);
+  // The server at `address` has the mesh.
+  void Moved(const std::string& mesh, const std::string& address);
+
+  Connector& connector() { return connector_; }
+
   // Runs `run(service, context)`, which returns a status or a value, where the mesh is: a bounded
   // number of times, with pauses, until `timeout`.
   template <class Run>
@@ -118,6 +134,9 @@ class Stub {
   std::map<std::string, std::string> routes_;  // the address of a mesh's server
   std::map<std::string, std::uint64_t> seen_;  // revisions, if reads may be a follower's
   std::map<std::string, ServerPtr> servers_;   // by address
+
+  Connector connector_;
+  WaitingCalls waiting_{this};
 };
 
 template <class Run>
@@ -131,7 +150,12 @@ auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeo
     const ServerPtr server = Of(mesh);
     grpc::ClientContext context;
     Prepare(context, end - absl::Now(), redirects);
-    auto result = run(*server->service, context);
+    auto result = [&] {
+      // Another server may do what this one was asked for.
+      const WaitingCalls::Call call(repeatable ? waiting() : nullptr, mesh, server->address,
+                                    &context);
+      return run(*server->service, context);
+    }();
     if (absl::IsCancelled(StatusOf(result))) result = UnlessCancelledHere(StatusOf(result));
     const Next next = Learn(mesh, *server, StatusOf(result), repeatable);
     if (next == Next::kOver) return result;
@@ -142,7 +166,7 @@ auto Stub::Follow(const std::string& mesh, bool repeatable, absl::Duration timeo
     }
     if (next == Next::kAfterPause) redirects = 0;
     if (absl::Now() + pause >= end) return result;
-    absl::SleepFor(pause);
+    connector_.Pause(pause);
     pause = std::min(1.5 * pause, kLongest);
   }
 }

@@ -23,8 +23,10 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
       : follower_(std::move(follower)), request_(std::move(request)) {}
 
   void Start(Stub& stub) {
-    server_ = stub.Of(stub.ReadKey(request_.mesh()));
+    const std::string key = stub.ReadKey(request_.mesh());
+    server_ = stub.Of(key);
     stub.Prepare(context_);
+    call_.emplace(stub.waiting(), key, server_->address, &context_, /*is_stream=*/true);
     server_->service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
     StartCall();
@@ -39,6 +41,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
   const v1::WatchRequest request_;
   Stub::ServerPtr server_;
   grpc::ClientContext context_;
+  std::optional<WaitingCalls::Call> call_;
   v1::WatchEvent event_;
 };
 
@@ -52,7 +55,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
         mesh_(std::move(mesh)),
         options_(options),
         listener_(listener != nullptr ? listener : &silent_),
-        pause_(options.first_pause) {}
+        backoff_(options.first_pause, options.longest_pause) {}
 
   void Open() {
     const std::lock_guard lock(mutex_);
@@ -70,7 +73,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
       return false;
     }
     attempts_ = 0;
-    pause_ = options_.first_pause;
+    backoff_.Succeeded();
     Tell(*change);
     changed_.notify_all();
     return true;
@@ -103,7 +106,14 @@ class Follower : public std::enable_shared_from_this<Follower> {
       from_snapshot_ = true;
       if (attempts_ == 1) return OpenLocked();  // the server is available
     }
+    waits_for_server_ = absl::IsUnavailable(status);
     SetAlarmLocked();
+  }
+
+  // A server that could not be reached can be.
+  void ServerIsBack() {
+    const std::lock_guard lock(mutex_);
+    if (alarm_ != nullptr && waits_for_server_) alarm_->Cancel();
   }
 
   void Stop() {
@@ -178,9 +188,8 @@ class Follower : public std::enable_shared_from_this<Follower> {
   void SetAlarmLocked() {
     // A new alarm each time: the previous one may still be in its callback.
     alarm_ = std::make_unique<grpc::Alarm>();
-    alarm_->Set(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(pause_),
+    alarm_->Set(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(backoff_.Failed()),
                 [self = shared_from_this()](bool) { self->AlarmFired(); });
-    pause_ = std::min(pause_ * 2, options_.longest_pause);
   }
 
   void AlarmFired() {
@@ -207,8 +216,9 @@ class Follower : public std::enable_shared_from_this<Follower> {
   MeshReplica replica_;
   Stream* stream_ = nullptr;
   std::unique_ptr<grpc::Alarm> alarm_;
-  absl::Duration pause_;
-  int attempts_ = 0;  // streams that ended since the last event
+  Backoff backoff_;
+  bool waits_for_server_ = false;  // while an alarm is set
+  int attempts_ = 0;               // streams that ended since the last event
   bool from_snapshot_ = false;
   bool stopping_ = false;
   absl::Status trouble_;  // why the replica rejected the stream
@@ -219,6 +229,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
 
 void Stream::OnReadDone(bool ok) {
   if (!ok) return;  // OnDone follows
+  call_->Heard(/*more=*/false);
   if (follower_->Take(event_)) {
     StartRead(&event_);
   } else {
@@ -243,9 +254,13 @@ class GrpcWatchSession final : public WatchSession {
                    WatchListener* listener)
       : stub_(std::move(stub)),
         follower_(std::make_shared<Follower>(stub_.get(), mesh, options, listener)) {
+    stub_->connector().Listen(this, [follower = follower_.get()] { follower->ServerIsBack(); });
     follower_->Open();
   }
-  ~GrpcWatchSession() override { follower_->Stop(); }
+  ~GrpcWatchSession() override {
+    stub_->connector().Unlisten(this);
+    follower_->Stop();
+  }
 
   void Stop() override { follower_->Stop(); }
   bool WaitFor(const std::function<bool(const MeshReplica&)>& condition,

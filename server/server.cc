@@ -66,8 +66,9 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   // Detects clients that vanished without closing their connection.
   set(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(config.keepalive_interval));
   set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, Milliseconds(config.keepalive_timeout));
-  // Less than the 5 s of the client library. Clients that ping more often are sent away.
-  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 3'000);
+  // Less than the 5 s of the client library and the second of other servers. Clients that ping more
+  // often are sent away.
+  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
   set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   // Closes connections without a handshake, and idle ones.
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));

@@ -15,6 +15,20 @@ namespace {
 // The other server answers NOT_OWNER rather than to hand the call on again, and opens a free mesh.
 constexpr int kHandedOn = 2;
 
+// A server that is stopped, or cut off from this one, is noticed when a ping gets no answer: after
+// the two times together, as its lease ends by default. The client's next call is sent to the next
+// owner. A server that starts again is soon connected to.
+grpc::ChannelArguments Arguments() {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 2'500);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // any number
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2'500);  // limits an attempt to connect
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
+  return arguments;
+}
+
 }  // namespace
 
 v1::MeshService::Stub* Forwarder::ServerOf(const absl::Status& status,
@@ -28,7 +42,8 @@ v1::MeshService::Stub* Forwarder::ServerOf(const absl::Status& status,
   const std::lock_guard lock(mutex_);
   auto& server = servers_[owner->second];
   if (server == nullptr) {
-    server = v1::MeshService::NewStub(grpc::CreateChannel(owner->second, credentials_));
+    server = v1::MeshService::NewStub(
+        grpc::CreateCustomChannel(owner->second, credentials_, Arguments()));
   }
   return server.get();
 }

@@ -114,6 +114,28 @@ TEST_F(OwnershipTest, CallsOfAClientThatDoesNotFollowAreHandedOn) {
   EXPECT_TRUE(absl::IsNotFound(call(&Stub::GetMesh, get, &mesh)));
 }
 
+// The call ends while the owner is stopped, and the next one is sent to the next owner.
+TEST_F(OwnershipTest, ACallThatWasHandedToAStoppedOwnerEnds) {
+  StartNodes(2);
+  ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions()).ok());
+  const auto service = v1::MeshService::NewStub(
+      grpc::CreateChannel(AddressOf(1), grpc::InsecureChannelCredentials()));
+  const auto get = [&] {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kPatience);
+    v1::GetMeshRequest request;
+    request.set_mesh("meshes/m");
+    v1::Mesh mesh;
+    return service->GetMesh(&context, request, &mesh).error_code();
+  };
+  EXPECT_EQ(get(), grpc::StatusCode::OK);
+  nodes_[0]->daemon.Signal(SIGSTOP);
+  EXPECT_EQ(get(), grpc::StatusCode::UNAVAILABLE);
+  EndLeasesOf(0);
+  EXPECT_EQ(get(), grpc::StatusCode::OK);
+  EXPECT_EQ(OwnerOf("m"), AddressOf(1));
+}
+
 TEST_F(OwnershipTest, AListHasTheMeshesOfAllNodes) {
   StartNodes(2);
   ASSERT_TRUE(ConnectTo(0)->CreateMesh("a", MeshOptions()).ok());

@@ -9,11 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/percentile.h"
 #include "client/cli/progress_bar.h"
@@ -27,6 +26,10 @@ namespace dynmesh::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// Without an answer, while the server cannot be reached.
+constexpr std::chrono::seconds kPatience(30);
+constexpr absl::Duration kPause = absl::Milliseconds(200);
 
 struct ApplyCommand {
   ServerFlags server;
@@ -120,24 +123,28 @@ class Application {
   absl::Status OneByOne() {
     for (std::size_t b = 0; b < script_.batches.size(); ++b) {
       const Clock::time_point start = Clock::now();
-      const auto result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
+      auto result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
+      for (const auto end = start + kPatience; IsCut(result.status()) && Clock::now() < end;) {
+        client_->PauseBeforeRetry(kPause);
+        result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
+      }
       latencies_.push_back(Microseconds(Clock::now() - start));
       if (absl::Status status = Take(b, result); !status.ok()) return status;
     }
     return absl::OkStatus();
   }
 
-  // Several sessions if the mesh moves to another server meanwhile.
+  // Several sessions if the mesh moves to another server, or the server starts again, meanwhile.
   absl::Status Pipelined() {
-    constexpr int kAttempts = 60;
     std::size_t answered = 0;
-    for (int attempt = 1;; ++attempt) {
+    Clock::time_point last = Clock::now();  // answer
+    for (int in_vain = 0;; ++in_vain) {
       const std::size_t before = answered;
       absl::Status cut;
       if (absl::Status s = Session(answered, cut); !s.ok() || cut.ok()) return s;
-      if (answered > before) attempt = 1;
-      if (attempt == kAttempts) return cut;
-      absl::SleepFor(absl::Milliseconds(attempt == 1 ? 0 : 200));
+      if (answered > before) last = Clock::now(), in_vain = 0;
+      if (Clock::now() > last + kPatience) return cut;
+      if (in_vain > 0) client_->PauseBeforeRetry(kPause);
     }
   }
 
@@ -173,13 +180,13 @@ class Application {
     return absl::DataLossError("the server did not answer every batch");
   }
 
-  // True if what has no answer can be sent to another server: it was not applied, or the batches
-  // have ids and there are other servers.
+  // True if what has no answer can be sent again, perhaps to another server: it was not applied, or
+  // the batches have ids.
   bool IsCut(const absl::Status& status) const {
     if (!absl::IsUnavailable(status)) return false;
     const auto error = codec::GetServiceError(status);
     if (error.has_value() && error->reason == codec::reason::kNotOwner) return true;
-    return !command_.request_prefix.empty() && absl::StrContains(command_.server.address, ',') &&
+    return !command_.request_prefix.empty() &&
            (!error.has_value() || error->reason != codec::reason::kJournalFailed);
   }
 
@@ -266,8 +273,8 @@ void RegisterApplyCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--create", command->create,
                 "Create the mesh by the script's first line unless it exists");
   sub->add_option("--request-prefix", command->request_prefix,
-                  "Give batch N the request id PREFIX-N: applying again, after a broken "
-                  "connection, repeats nothing")
+                  "Give batch N the request id PREFIX-N: applying again repeats nothing. After a "
+                  "broken connection the command goes on by itself, for up to 30 s")
       ->type_name("PREFIX");
   sub->add_flag("--one-by-one", command->one_by_one,
                 "Wait for each answer, and tell how long they took");

@@ -21,6 +21,8 @@ from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotF
     VersionMismatch
 
 T = TypeVar("T")
+_LONGEST_PAUSE = 0.5  # in seconds; a call to a server that cannot be reached costs nothing
+_GLANCE = 0.05  # the same: how often a pause looks whether the server is back
 Pem = Union[str, bytes, "os.PathLike[str]", None]
 
 
@@ -170,21 +172,25 @@ class Server:
 
         Its argument is the extension module's client.
         """
-        if self._client is None:
-            raise Unavailable("the connection was closed")
         until = time.monotonic() + self._retry_for
         pause = 0.05
         while True:
+            client = self._client
+            if client is None:
+                raise Unavailable("the connection was closed")
+            returned = client.servers_returned()
             try:
                 if not self._version_fits:
-                    self._check_version(self._client)
-                return function(self._client)
+                    self._check_version(client)
+                return function(client)
             except Unavailable as error:
                 wait = error.retry_after or pause
                 if time.monotonic() + wait > until:
                     raise
-                time.sleep(wait)
-                pause = min(2 * pause, 2.0)
+                while wait > 0 and client.servers_returned() == returned:
+                    time.sleep(min(wait, _GLANCE))
+                    wait -= _GLANCE
+                pause = min(2 * pause, _LONGEST_PAUSE)
 
     def _open(self, info: dict[str, Any]) -> Mesh:
         name = info["id"]

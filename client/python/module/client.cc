@@ -179,6 +179,7 @@ void BindClient(py::module_& module) {
            }),
            py::arg("address"), py::arg("token"), py::arg("tls_ca"), py::arg("tls_certificate"),
            py::arg("tls_key"), py::arg("timeout"), py::arg("from_followers"))
+      .def("servers_returned", &MeshClient::servers_returned)
       .def("create",
            [](MeshClient& c, const std::string& id, const py::dict& options,
               const std::string& request_id) {

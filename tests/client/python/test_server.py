@@ -1,6 +1,7 @@
 """What only a server's mesh does: followers, streams, other clients, ends and restarts."""
 import asyncio
 import concurrent.futures
+import os
 import pathlib
 import signal
 import subprocess
@@ -236,3 +237,44 @@ def test_the_last_number_of_a_version_may_differ(start_other_server):
     numbers = dynmesh.__version__.split(".")
     with dynmesh.connect(start_other_server(".".join([*numbers[:2], "99"]))) as server:
         assert server.stats()["version"].endswith(".99")
+
+
+GOES_ON = """
+import sys, dynmesh
+with dynmesh.connect(sys.argv[1], retry_for=60) as server:
+    mesh = server.create(box=[[0, 0], [1, 1]])
+    print("made", flush=True)
+    sys.stdin.readline()  # the server is gone
+    for _ in range(3):
+        try:
+            server._client.get(mesh.name)
+            sys.exit("there is a server")
+        except dynmesh.errors.Unavailable:
+            pass
+    print("down", flush=True)
+    mesh.apply(add_points={1: (0.5, 0.5)})
+    print(mesh.revision, flush=True)
+"""
+
+
+def test_a_call_goes_on_after_a_restart(tmp_path):
+    """Without gRPC's own look at connections, every five seconds."""
+    daemon = Daemon(tmp_path)
+    daemon.start()
+    child = subprocess.Popen(
+        [sys.executable, "-B", "-c", GOES_ON, daemon.address], text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        env={**os.environ, "GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS": "0"})
+    try:
+        assert child.stdout.readline() == "made\n"
+        daemon.stop(signal.SIGKILL)
+        child.stdin.write("\n")
+        child.stdin.flush()
+        assert child.stdout.readline() == "down\n"
+        daemon.start()
+        assert child.stdout.readline() == "1\n"
+        assert child.wait(60) == 0
+    finally:
+        child.kill()
+        child.communicate()
+        daemon.stop()

@@ -37,9 +37,10 @@ struct DiffStreamOptions {
   // What to do if the server does not hold the revisions since, or the meshes diverged. true: send
   // the whole mesh instead. false: OUT_OF_RANGE (COMPACTED, FUTURE_REVISION, DIVERGED).
   bool takes_snapshots = false;
-  // The longest time without a message from the server. The stream reconnects after pauses of 50
-  // ms, doubled up to 2 s, on UNAVAILABLE, CANCELLED, UNKNOWN, INTERNAL, RESOURCE_EXHAUSTED and
-  // DEADLINE_EXCEEDED. After this time, or on another status, it ends with that status.
+  // The longest time without a message from the server. On UNAVAILABLE, CANCELLED, UNKNOWN,
+  // INTERNAL, RESOURCE_EXHAUSTED and DEADLINE_EXCEEDED the stream reconnects: after pauses of about
+  // a third of the time since the last message, 50 ms to 2 s, and at once when a server that could
+  // not be reached can be. After this time, or on another status, it ends with that status.
   absl::Duration patience = absl::Minutes(15);
 };
 

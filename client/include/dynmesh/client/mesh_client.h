@@ -116,14 +116,17 @@ struct ClientOptions {
 // that one by itself, as NOT_OWNER names it, and repeats the call there. If a server that has
 // meshes ends, another one takes them over after some seconds. So, if the client knows several
 // servers, it repeats a call that one of them did not answer, or answered with OUTCOME_UNKNOWN, at
-// another: reads, and changes with a request_id, some ten seconds long. Apart from that it never
-// repeats a call. A load, and an edit session, are not repeated, but the next one goes to the right
-// server; after JOURNAL_FAILED the next call asks another one.
+// another: reads, and changes with a request_id, some ten seconds long. A call without an answer
+// for a second makes it ask another server where the mesh is; if it is no longer at the one that
+// was asked, the call is repeated where it is. Apart from that the client never repeats a call. A
+// load, and an edit session, are not repeated, but the next one goes to the right server; after
+// JOURNAL_FAILED the next call asks another one.
 //
-// The client reconnects to a server by itself, after pauses of 0.1 to 5 seconds. If
-// ServiceError::retry_after is set, repeat the call after that time. Changes are safe to repeat
-// with the same request_id; reads always are. Watch and StreamDiffs reconnect and resume by
-// themselves.
+// The client reconnects to a server by itself, in a thread of its own, for half a minute after the
+// last call that did not reach it. Pauses between attempts are about a third of the time that has
+// passed, 0.1 to 5 seconds. If ServiceError::retry_after is set, repeat the call after that time;
+// PauseBeforeRetry returns earlier if the server comes back. Changes are safe to repeat with the
+// same request_id; reads always are. Watch and StreamDiffs reconnect and resume by themselves.
 class MeshClient {
  public:
   // A client of the server at `address` ("host:port"), as `options` say; of servers that share
@@ -184,6 +187,13 @@ class MeshClient {
   // `params`.validate_only and dimension. Errors as of GetFeatures and Apply.
   absl::StatusOr<EditResult> RevertTo(const std::string& mesh, std::uint64_t revision,
                                       const EditParams& params = {});
+
+  // Waits before a call that failed with UNAVAILABLE is made again: for `limit`, or until a server
+  // that could not be reached can be.
+  void PauseBeforeRetry(absl::Duration limit);
+  // How often a server that could not be reached could be again. For callers that wait by their own
+  // means.
+  std::uint64_t servers_returned() const;
 
   // A pipeline of batches to `mesh`. With `stop_on_error` a refused batch ends it. Open it when
   // there is a batch to send: the server ends a stream without one after some minutes.

@@ -30,9 +30,10 @@ struct WatchOptions {
   std::vector<FeatureId> regions = {};
   // The longest interval between messages of the server; zero: its default.
   absl::Duration progress_interval = absl::ZeroDuration();
-  // The pause before the first reconnection; doubled before each further one.
+  // The pause before the first reconnection. Later pauses are about a third of the time since the
+  // last event. A server that could not be reached is asked as soon as it can be.
   absl::Duration first_pause = absl::Milliseconds(50);
-  // The longest pause before a reconnection.
+  // The longest pause before a reconnection; each is a fifth longer or shorter by chance.
   absl::Duration longest_pause = absl::Seconds(5);
   // The most reconnections in a row without an event; then the session ends. A starting server
   // answers UNAVAILABLE until it has recovered its meshes: the default allows a quarter of an hour.
