@@ -21,6 +21,12 @@ absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last) {
       absl::StrCat("revision ", revision, " is not the journal's last, which is ", last));
 }
 
+absl::Status WrittenByAnother(std::uint64_t revision, std::int64_t last) {
+  return absl::FailedPreconditionError(
+      absl::StrCat("another process writes to this journal: it has revision ", last,
+                   " of the mesh, which this server has not made; its next one is ", revision));
+}
+
 absl::Status RowsMissing(absl::string_view id) {
   return absl::FailedPreconditionError(
       absl::StrCat("rows of mesh ", Printable(id),

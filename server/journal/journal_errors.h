@@ -14,6 +14,8 @@ absl::Status MeshExists(absl::string_view id);  // ALREADY_EXISTS
 // FAILED_PRECONDITION: entries follow the last one; a snapshot is of the last revision.
 absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last);
 absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last);
+// The same of a journal that has `revision` already, though this process alone should write it.
+absl::Status WrittenByAnother(std::uint64_t revision, std::int64_t last);
 
 // FAILED_PRECONDITION: of a mesh that is copied, rows that were written are not there.
 absl::Status RowsMissing(absl::string_view id);

@@ -29,6 +29,7 @@ constexpr int kAttempts = 3;
 
 absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries,
                                      const std::vector<Request>& requests) {
+  const WritesUnderWay::Write write(under_way_);
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
   const std::lock_guard lock(owned->mutex);
@@ -71,6 +72,8 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
       // Threads are few, and other meshes wait for one: after the lease only for a short time.
       absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(&owned)));
       if (!session.ok()) return session.status();
+      // What was sent earlier is known to be not there.
+      if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
       const Answer answer = group.Run(**session, owned.is.epoch);
       if (answer.status.ok() && !answer.empty()) {
         owned.is = group.After(owned.is.epoch);
@@ -123,7 +126,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
     }
     const nanoseconds left =
         std::min(end - BootTime(), is_shared() ? LeaseLeft(owned) : nanoseconds::max());
-    if (left <= nanoseconds::zero()) break;
+    if (left <= nanoseconds::zero() || !under_way_.ended().ok()) break;
     std::this_thread::sleep_for(std::min(pause, left));
     pause = std::min<nanoseconds>(2 * pause, std::chrono::seconds(1));
   }
@@ -164,9 +167,11 @@ absl::Status PostgresJournal::CompactIn(Key mesh, Owned& owned, std::uint64_t re
                                         const std::vector<std::string>& parts) {
   // Each step is a transaction; the mesh can be written to in between.
   const auto step = [&](const std::function<absl::Status(postgres::Session&)>& work) {
+    const WritesUnderWay::Write write(under_way_);
     const std::lock_guard lock(owned.mutex);
     if (absl::Status s = CheckLast(owned, revision); !s.ok()) return s;
     absl::StatusOr<Lease> session = writers_.Take(Patience());
+    if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
     return Counted(session.ok() ? work(**session) : session.status());
   };
   bool there = false;
