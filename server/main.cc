@@ -14,6 +14,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/version.h"
 #include "server/access/acceptor.h"
+#include "server/base/bus_error.h"
 #include "server/base/log.h"
 #include "server/copy_journal.h"
 #include "server/flags.h"
@@ -173,6 +174,7 @@ int Copy(const Flags& flags, Signals& signals) {
 int main(int argc, char** argv) {
   dynmesh::ReturnLargeBlocks();
   dynmesh::server::RaiseDescriptorLimit();
+  dynmesh::server::TellBusErrors();
   static Signals signals;
   CLI::App app{
       "dynmeshd: serves dynamic meshes over gRPC. They live in memory only, without --data-dir or "
