@@ -170,8 +170,17 @@ void WriteJournal(const Journal& journal, MetricsText& out) {
              "Transactions that could not be written; each may be of several batches.",
              static_cast<double>(counts.failures));
   out.Single("dynmesh_journal_failing", "gauge",
-             "1 if the last transaction could not be written: edits are refused.",
+             "1 if the last transaction could not be written, or the journal is gone: edits are "
+             "refused.",
              counts.failing ? 1 : 0);
+  out.Single("dynmesh_journal_gone", "gauge",
+             "1 if the files at the journal's path are not those that were opened.",
+             counts.gone ? 1 : 0);
+  out.Single(
+      "dynmesh_journal_oldest_write_seconds", "gauge",
+      "How long the disk or the database has not answered the oldest write; 0: none is under "
+      "way.",
+      absl::ToDoubleSeconds(counts.oldest_write));
   out.Single("dynmesh_journal_fenced_total", "counter",
              "Writes of batches that were refused, as another server has claimed the mesh.",
              static_cast<double>(counts.fenced));

@@ -290,7 +290,9 @@ void AddFlags(CLI::App& app, Flags& f) {
          },
          "debug, info, warning, error, off")
       ->default_str(f.log_level);
-  AddSeconds(app, "drain-timeout", c.drain_timeout, 0, "seconds to finish work after SIGTERM");
+  AddSeconds(app, "drain-timeout", c.drain_timeout, 0,
+             "seconds to finish work after SIGTERM; the process ends 8 s later at most, with exit "
+             "code 3, also if the disk or the database does not answer");
   AddSeconds(app, "progress-interval", c.progress_interval, 0.1,
              "seconds between messages to idle watchers");
   AddCount(app, "writer-threads", c.writer_threads, 0, "threads that apply edits; 0: by cores",

@@ -1,4 +1,6 @@
-// dynmeshd: the server. Exit codes: 0 drained, or copied a journal; 1 failed; 2 bad usage.
+// dynmeshd: the server. Exit codes: 0 drained, or copied a journal; 1 failed, or not all running
+// work ended within the drain's limit; 2 bad usage; 3 the disk or the database did not answer at
+// the end.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -10,10 +12,13 @@
 #include <thread>
 
 #include "absl/strings/str_split.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/version.h"
 #include "server/access/acceptor.h"
+#include "server/base/bus_error.h"
 #include "server/base/log.h"
 #include "server/copy_journal.h"
 #include "server/flags.h"
@@ -97,6 +102,26 @@ class Signals {
   int idle_code_ = 0;
 };
 
+// After --drain-timeout, for calls to be cancelled and for the write that the disk or the database
+// has. Both together are less than what systemd, Docker and Kubernetes wait here (deploy/).
+constexpr absl::Duration kEndGrace = absl::Seconds(8);
+
+// The process ends after this time at the latest: a disk may never answer. That is as good as a
+// crash, which loses nothing that was acknowledged.
+void EndWithin(absl::Duration limit) {
+  std::thread([limit] {
+    absl::SleepFor(limit);
+    dynmesh::server::Log(
+        dynmesh::server::LogLevel::kError, "not_drained",
+        {{"after", absl::FormatDuration(limit)},
+         {"message",
+          "running work has not ended, as when the disk or the database does not answer: the "
+          "process ends without it. Nothing that was acknowledged is lost; what was not may be "
+          "there or not after the next start"}});
+    std::_Exit(3);
+  }).detach();
+}
+
 // Null without a data folder and without a database.
 absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flags& flags) {
   if (!flags.journal.empty()) {
@@ -149,6 +174,7 @@ int Serve(const Flags& flags, Signals& signals) {
     return Fail(1, absl::UnknownError("cannot write " + flags.port_file));
   }
   signals.WaitForEnd();
+  EndWithin(flags.config.drain_timeout + kEndGrace);
   return (*server)->Drain(flags.config.drain_timeout) ? 0 : 1;
 }
 
@@ -173,6 +199,7 @@ int Copy(const Flags& flags, Signals& signals) {
 int main(int argc, char** argv) {
   dynmesh::SetUpMemory(dynmesh::MemoryUse::kServer);
   dynmesh::server::RaiseDescriptorLimit();
+  dynmesh::server::TellBusErrors();
   static Signals signals;
   CLI::App app{
       "dynmeshd: serves dynamic meshes over gRPC. They live in memory only, without --data-dir or "

@@ -30,6 +30,7 @@
 #include "server/calls/unknown_methods.h"
 #include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
+#include "server/journal_watch.h"
 #include "server/metrics/call_observer.h"
 #include "server/metrics/metrics_http.h"
 
@@ -128,6 +129,7 @@ struct Server::Impl {
        std::shared_ptr<grpc::ChannelCredentials> neighbours)
       : config(c),
         journal(std::move(j)),
+        journal_watch(journal.get()),
         access(std::move(a)),
         memory(c.max_memory_bytes, c.resident_bytes),
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
@@ -237,6 +239,7 @@ struct Server::Impl {
     // Not the time of day, which can be set back.
     const absl::Time now =
         absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
+    journal_watch.Look();  // first: others read files, perhaps of the same disk
     registry.Tick(now);
     service.Tick();
     memory.Measure();
@@ -253,12 +256,12 @@ struct Server::Impl {
     }
   }
 
-  // Neither makes the server unready. While the journal fails, reads are answered and the next edit
-  // retries the journal. Besides damaged meshes, the others are served.
+  // Neither makes the server unready. While the journal fails, is gone or hangs, reads are answered
+  // and the next edit retries the journal. Besides damaged meshes, the others are served.
   std::string Amiss() const {
     std::vector<std::string> amiss;
-    if (journal != nullptr && journal->counts().failing) {
-      amiss.push_back("edits are refused: the journal cannot be written");
+    if (std::string journals = journal_watch.Amiss(); !journals.empty()) {
+      amiss.push_back(std::move(journals));
     }
     if (const std::size_t damaged = registry.damaged(); damaged > 0) {
       amiss.push_back(absl::StrCat("damaged meshes: ", damaged));
@@ -298,6 +301,7 @@ struct Server::Impl {
   // Destroyed in reverse order: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
   const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
+  JournalWatch journal_watch;
   const std::unique_ptr<Access> access;
   MemoryGuard memory;
   ServerMetrics metrics;
@@ -399,6 +403,8 @@ bool Server::Drain(absl::Duration limit) {
   impl_->service.BeginDrain();
   impl_->calls.open().Close();
   const bool done = impl_->context.gate.WaitEmpty(limit);
+  // Only what was handed to the disk or the database is waited for.
+  if (!done && impl_->journal != nullptr) impl_->journal->EndWrites(DrainingError());
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   // Edits of calls that are still open are cancelled and undone. The other calls are being ended.
   if (done) impl_->calls.open().WaitEmpty(kCallGrace);

@@ -33,8 +33,9 @@ class Server {
 
   // Health becomes NOT_SERVING, new work is refused (UNAVAILABLE), watches and running builds end,
   // and other running work has up to `limit` to end. After that it is cancelled and changes
-  // nothing. True if all ended in time. Returns when nothing runs any more. Connections without
-  // calls get a GOAWAY and are closed a moment later; Drain does not wait for them.
+  // nothing; only the write that the disk or the database has is waited for, however long it takes.
+  // True if all ended in time. Returns when nothing runs any more. Connections without calls get a
+  // GOAWAY and are closed a moment later; Drain does not wait for them.
   bool Drain(absl::Duration limit);
 
   // Reads the token file again. A change of the file is also noticed without this.

@@ -23,13 +23,20 @@ void MoveLog(const sqlite::Connection& connection) {
 Checkpointer::Checkpointer(sqlite::Connection mover)
     : mover_(std::move(mover)), thread_([this] { Run(); }) {}
 
-Checkpointer::~Checkpointer() {
+Checkpointer::~Checkpointer() { Stop(); }
+
+void Checkpointer::Stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Checkpointer::KeepLogAtEnd() {
+  Stop();
+  mover_.MoveLogAtEnd(false);
 }
 
 void Checkpointer::Committed(int log_pages, const sqlite::Connection& writer) {

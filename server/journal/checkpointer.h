@@ -28,8 +28,12 @@ class Checkpointer {
   // pages now.
   void Committed(int log_pages, const sqlite::Connection& writer);
 
+  // The log is not moved any more, nor deleted when the connection is closed.
+  void KeepLogAtEnd();
+
  private:
   void Run();
+  void Stop();
 
   sqlite::Connection mover_;
   std::mutex mutex_;

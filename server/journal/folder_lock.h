@@ -1,4 +1,5 @@
-// Locks a folder for one process at a time. The lock ends with the process.
+// Locks a folder for one process at a time. The lock ends with the process. It is on the folder
+// itself, which stays locked if files in it are removed, and on its file `lock`, which has the pid.
 #ifndef DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
 #define DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
 
@@ -19,8 +20,8 @@ class FolderLock {
   ~FolderLock();
 
  private:
-  explicit FolderLock(int file) : file_(file) {}
-  int file_;
+  FolderLock() = default;
+  int folder_ = -1, file_ = -1;
 };
 
 }  // namespace dynmesh::server

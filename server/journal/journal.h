@@ -16,7 +16,9 @@
 //   5. at opening, each mesh that lacks acknowledged data is detected, whatever was done to the
 //      files, and becomes read only. (A journal in a database leaves that to the database.)
 //   6. a mesh has at most one owner: the journal object that claimed it last, in any process. No
-//      other can write to it.
+//      other can write to it;
+//   7. nothing is acknowledged into files that are no longer found at the journal's path: while
+//      they are not there, all writing calls fail. (A database has no such path.)
 // Calls block until the disk is done; concurrent calls may share a sync. After a failed write all
 // writing calls fail until a test write succeeds. Thread-safe.
 //
@@ -44,6 +46,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 
 namespace dynmesh::server {
 
@@ -77,9 +80,12 @@ class Journal {
   struct Counts {
     std::uint64_t syncs = 0;     // successful transactions
     std::uint64_t failures = 0;  // failed transactions
-    bool failing = false;        // the last transaction failed
+    bool failing = false;        // the last transaction failed, or the files are gone
     std::uint64_t fenced = 0;    // appends that were refused, as another object has the mesh
     std::uint64_t unknown = 0;   // appends whose outcome was not found out
+    bool gone = false;           // the files at the journal's path are not those that are open
+    // How long the oldest writing call under way has not been answered; zero: there is none.
+    absl::Duration oldest_write;
   };
   // The changes of a batch.
   struct Entry {
@@ -105,6 +111,9 @@ class Journal {
   virtual std::string name() const = 0;
 
   virtual Counts counts() const { return {}; }
+  // Refuses all writing calls from now on with `why`, also those that wait for their turn. What was
+  // handed to the disk or the database is not waited for here, and ends as before. Does not block.
+  virtual void EndWrites(const absl::Status& /*why*/) {}
   // What several servers on one journal need; null: there is one server.
   virtual SharedJournal* shared() { return nullptr; }
   // Takes meshes from other journals; null: it takes none.

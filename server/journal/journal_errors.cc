@@ -25,6 +25,12 @@ absl::Status NoSnapshotAt(std::uint64_t revision) {
 
 absl::Status SnapshotEnded() { return absl::CancelledError("the snapshot is not wanted any more"); }
 
+absl::Status WrittenByAnother(std::uint64_t revision, std::int64_t last) {
+  return absl::FailedPreconditionError(
+      absl::StrCat("another process writes to this journal: it has revision ", last,
+                   " of the mesh, which this server has not made; its next one is ", revision));
+}
+
 absl::Status RowsMissing(absl::string_view id) {
   return absl::FailedPreconditionError(
       absl::StrCat("rows of mesh ", Printable(id),

@@ -15,6 +15,8 @@ absl::Status MeshExists(absl::string_view id);  // ALREADY_EXISTS
 // one's, up to the last.
 absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last);
 absl::Status NoSnapshotAt(std::uint64_t revision);
+// The same of a journal that has `revision` already, though this process alone should write it.
+absl::Status WrittenByAnother(std::uint64_t revision, std::int64_t last);
 // CANCELLED: a snapshot.
 absl::Status SnapshotEnded();
 

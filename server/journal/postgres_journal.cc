@@ -128,6 +128,7 @@ void PostgresJournal::Measure(Session& session) {
 }
 
 absl::Status PostgresJournal::Counted(absl::Status status) {
+  if (!under_way_.ended().ok()) return status;  // refused here
   const bool failed = absl::IsUnavailable(status) || absl::IsUnknown(status);
   if (!status.ok() && !failed) return status;  // the database works
   ++(failed ? failures_ : commits_);
@@ -157,6 +158,7 @@ void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief,
 }
 
 absl::Status PostgresJournal::Repeatedly(const Step& step, bool* is_unknown) {
+  const WritesUnderWay::Write write(under_way_);
   const absl::Duration limit =
       is_shared() ? std::min(options_.resolve_for, options_.lease) : options_.resolve_for;
   const std::chrono::nanoseconds end = BootTime() + absl::ToChronoNanoseconds(limit);
@@ -168,6 +170,12 @@ absl::Status PostgresJournal::Repeatedly(const Step& step, bool* is_unknown) {
           is_shared() ? std::max(end - BootTime(), Patience()) : Patience();
       absl::StatusOr<postgres::Pool::Lease> session =
           attempt == 0 ? writers_.Take(patience) : writers_.TakeFresh(patience);
+      // At the end of a drain nothing is begun any more, and an unknown outcome stays so.
+      const absl::Status ended = under_way_.ended();
+      if (!ended.ok()) {
+        if (is_unknown != nullptr) *is_unknown = attempt > 0;
+        return ended;
+      }
       status = session.ok() ? step(**session, &unknown) : session.status();
       // Nothing was sent, unless by an earlier attempt.
       if (!session.ok()) unknown = attempt > 0;

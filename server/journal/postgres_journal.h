@@ -36,6 +36,7 @@
 #include "server/journal/postgres_pool.h"
 #include "server/journal/postgres_target.h"
 #include "server/journal/shared_journal.h"
+#include "server/journal/writes_under_way.h"
 
 namespace dynmesh::server {
 
@@ -49,8 +50,10 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
 
   std::string name() const override { return name_; }
   Counts counts() const override {
-    return {commits_.load(), failures_.load(), failing_.load(), fenced_.load(), unknown_.load()};
+    return {commits_.load(), failures_.load(),   failing_.load(), fenced_.load(), unknown_.load(),
+            false,           under_way_.Oldest()};
   }
+  void EndWrites(const absl::Status& why) override { under_way_.End(why); }
   SharedJournal* shared() override { return is_shared() ? this : nullptr; }
   // As of the opening, or of the last snapshot of any mesh since.
   std::uint64_t bytes() const override { return bytes_; }
@@ -154,6 +157,7 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
 
   std::mutex owned_mutex_;
   std::map<Key, OwnedPtr> owned_;
+  WritesUnderWay under_way_;
 
   std::atomic<std::int64_t> renewed_{0};  // when the last renewal was sent, as BootTime
   std::atomic<std::uint64_t> commits_{0};

@@ -26,6 +26,7 @@ absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
 absl::Status PostgresJournal::SnapshotStep(
     Owned& owned, std::uint64_t revision,
     const std::function<absl::Status(postgres::Session&, std::int64_t epoch)>& work) {
+  const WritesUnderWay::Write write(under_way_);
   while (true) {
     std::int64_t epoch = 0;
     {
@@ -35,6 +36,7 @@ absl::Status PostgresJournal::SnapshotStep(
       epoch = owned.is.epoch;
     }
     absl::StatusOr<Lease> session = writers_.Take(Patience());
+    if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
     absl::Status status = Counted(session.ok() ? work(**session, epoch) : session.status());
     if (!absl::IsAborted(status)) return status;
     // An append with an unknown outcome may have claimed the mesh again.

@@ -28,6 +28,7 @@ constexpr int kAttempts = 3;
 
 absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries,
                                      const std::vector<Request>& requests) {
+  const WritesUnderWay::Write write(under_way_);
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
   const std::lock_guard lock(owned->mutex);
@@ -70,6 +71,8 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
       // Threads are few, and other meshes wait for one: after the lease only for a short time.
       absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(&owned)));
       if (!session.ok()) return session.status();
+      // What was sent earlier is known to be not there.
+      if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
       const Answer answer = group.Run(**session, owned.is.epoch);
       if (answer.status.ok() && !answer.empty()) {
         owned.is = group.After(owned.is.epoch);
@@ -122,7 +125,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
     }
     const nanoseconds left =
         std::min(end - BootTime(), is_shared() ? LeaseLeft(owned) : nanoseconds::max());
-    if (left <= nanoseconds::zero()) break;
+    if (left <= nanoseconds::zero() || !under_way_.ended().ok()) break;
     std::this_thread::sleep_for(std::min(pause, left));
     pause = std::min<nanoseconds>(2 * pause, std::chrono::seconds(1));
   }

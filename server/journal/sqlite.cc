@@ -25,11 +25,13 @@ absl::Status StatusOf(int code, absl::string_view doing, absl::string_view messa
   return absl::UnavailableError(what);
 }
 
-absl::StatusOr<Connection> Connection::Open(const std::string& path, const char* vfs) {
+absl::StatusOr<Connection> Connection::Open(const std::string& path, const char* vfs,
+                                            Missing missing) {
   Connection connection;
   sqlite3* db = nullptr;
-  const int code = sqlite3_open_v2(
-      path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, vfs);
+  const int make = missing == Missing::kMake ? SQLITE_OPEN_CREATE : 0;
+  const int code =
+      sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | make, vfs);
   connection.db_.reset(db);
   if (code != SQLITE_OK) {
     return sqlite::StatusOf(code, absl::StrCat("opening ", path),

@@ -21,8 +21,11 @@ absl::Status StatusOf(int code, absl::string_view doing, absl::string_view messa
 
 class Connection {
  public:
+  // Whether a missing file is made.
+  enum class Missing { kMake, kRefuse };
   // `vfs` null: the default one. Waits up to some seconds for other connections.
-  static absl::StatusOr<Connection> Open(const std::string& path, const char* vfs);
+  static absl::StatusOr<Connection> Open(const std::string& path, const char* vfs,
+                                         Missing missing = Missing::kMake);
 
   // Whether SQLite moves its log into the database and deletes it when the last connection is
   // closed. The default is true.

@@ -28,15 +28,15 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   if (!opened.ok()) return opened.status();
   absl::StatusOr<Connection> mover = Connection::Open(path, options.vfs);
   if (!mover.ok()) return mover.status();
-  std::unique_ptr<SqliteJournal> journal(
-      new SqliteJournal(path, options, *std::move(lock), *std::move(opened), *std::move(mover)));
+  std::unique_ptr<SqliteJournal> journal(new SqliteJournal(folder, path, options, *std::move(lock),
+                                                           *std::move(opened), *std::move(mover)));
   // With losses, a leftover may be all that is left of a mesh.
   if (!journal->has_losses_) journal->SweepAll();
   return journal;
 }
 
-SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLock lock,
-                             OpenedJournal opened, Connection mover)
+SqliteJournal::SqliteJournal(const std::string& folder, std::string path, const Options& options,
+                             FolderLock lock, OpenedJournal opened, Connection mover)
     : path_(std::move(path)),
       options_(options),
       lock_(std::move(lock)),
@@ -44,6 +44,7 @@ SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLoc
       has_losses_(!opened.losses.empty() || !opened.sealed.ok()),
       writer_(std::move(opened.connection)),
       heads_(std::move(opened.heads)),
+      presence_(path_, {path_, path_ + "-wal", absl::StrCat(folder, "/", HeadsFile::kFileName)}),
       checkpointer_(std::move(mover)) {
   for (Loss& loss : opened.losses) losses_.emplace(loss.key(), std::move(loss));
   // Replaces SQLite's own hook, which moves the log within a commit.
@@ -56,7 +57,17 @@ SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLoc
       this);
 }
 
-SqliteJournal::~SqliteJournal() = default;
+// If the folder is gone, SQLite must not delete a log at its path: it may be another journal's.
+SqliteJournal::~SqliteJournal() {
+  if (presence_.Look().ok()) return;
+  writer_.MoveLogAtEnd(false);
+  checkpointer_.KeepLogAtEnd();
+}
+
+Journal::Counts SqliteJournal::counts() const {
+  const bool gone = presence_.gone();
+  return {syncs_.load(), failures_.load(), failed_ || gone, 0, 0, gone, under_way_.Oldest()};
+}
 
 std::uint64_t SqliteJournal::bytes() const {
   std::uint64_t sum = 0;
@@ -72,12 +83,24 @@ std::uint64_t SqliteJournal::bytes() const {
 
 absl::Status SqliteJournal::Write(const Change& change) {
   if (!sealed_.ok()) return sealed_;
+  const WritesUnderWay::Write write(under_way_);
   Waiting mine{&change, {}};
   std::unique_lock lock(mutex_);
+  if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
   waiting_.push_back(&mine);
   ended_.wait(lock, [&] { return mine.done || !writing_; });
   if (!mine.done) WriteAll(lock);
   return mine.result;
+}
+
+void SqliteJournal::EndWrites(const absl::Status& why) {
+  const std::lock_guard lock(mutex_);
+  under_way_.End(why);
+  for (Waiting* waiting : std::exchange(waiting_, {})) {
+    waiting->result = why;
+    waiting->done = true;
+  }
+  ended_.notify_all();
 }
 
 // On the caller's own thread, which saves two thread switches.
@@ -86,15 +109,17 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
   lock.unlock();
   const bool failed_before = failed_;
-  absl::Status status = failed_before ? Probe() : absl::OkStatus();
-  if (status.ok()) status = Commit(group);
-  if (!status.ok() && !failed_before) {
+  bool refused = false;
+  absl::Status status = failed_before ? Probe(&refused) : absl::OkStatus();
+  if (status.ok()) status = Commit(group, &refused);
+  const bool failed = refused ? failed_before : !status.ok();
+  if (failed && !failed_before) {
     Log(LogLevel::kError, "journal_failed", {{"journal", path_}, {"error", status.message()}});
-  } else if (status.ok() && failed_before) {
+  } else if (failed_before && !failed) {
     Log(LogLevel::kInfo, "journal_works_again", {{"journal", path_}});
   }
-  failed_ = !status.ok();
-  ++(failed_ ? failures_ : syncs_);
+  failed_ = failed;
+  ++(status.ok() ? syncs_ : failures_);
   if (status.ok()) {
     heads_->Publish(LogPosition());
     checkpointer_.Committed(log_pages_, writer_);
@@ -109,7 +134,7 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
 }
 
 // Not OK: the group had no effect.
-absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
+absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group, bool* refused) {
   heads_->Drop();
   absl::Status status = Statement(writer_, "BEGIN IMMEDIATE").Finish();
   for (std::size_t i = 0; status.ok() && i < group.size(); ++i) {
@@ -117,6 +142,10 @@ absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
     if (absl::IsUnavailable(group[i]->result) || absl::IsDataLoss(group[i]->result)) {
       status = group[i]->result;
     }
+  }
+  if (status.ok()) {
+    status = presence_.Look();
+    *refused = !status.ok();
   }
   if (status.ok()) status = Statement(writer_, "COMMIT").Finish();
   if (!status.ok() && !writer_.autocommit()) {
@@ -135,10 +164,10 @@ HeadsFile::Position SqliteJournal::LogPosition() {
   return {log_salt_, static_cast<std::uint64_t>(log_pages_)};
 }
 
-absl::Status SqliteJournal::Probe() {
+absl::Status SqliteJournal::Probe(bool* refused) {
   const Change probe = [this] { return writer_.Run("UPDATE probes SET number = number + 1"); };
   Waiting waiting{&probe, {}};
-  return Commit({&waiting});
+  return Commit({&waiting}, refused);
 }
 
 // ------------------------------------------------------------------ changes
@@ -183,6 +212,9 @@ absl::Status SqliteJournal::Run(const char* sql, Key mesh) {
 
 absl::Status SqliteJournal::Delete(Key mesh) {
   if (!sealed_.ok()) return sealed_;
+  const WritesUnderWay::Write write(under_way_);
+  if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
+  if (absl::Status gone = presence_.Look(); !gone.ok()) return gone;
   if (TakeMissing(mesh)) {
     absl::Status status = heads_->Forget(mesh);
     return status.ok() ? heads_->Sync() : status;
@@ -280,7 +312,7 @@ absl::Status SqliteJournal::Append(Key mesh, const std::vector<Entry>& entries,
     if (!last.ok()) return last.status();
     for (const Entry& entry : entries) {
       if (static_cast<std::int64_t>(entry.revision) != *last + 1) {
-        return NotTheNextRevision(entry.revision, *last);
+        return OutOfSequence(entry.revision, *last);
       }
       ++*last;
     }
@@ -289,6 +321,17 @@ absl::Status SqliteJournal::Append(Key mesh, const std::vector<Entry>& entries,
     if (status.ok() && !requests.empty()) status = AppendRequests(mesh, requests);
     return status;
   });
+}
+
+// This process is the only one to write, and it writes a mesh's revisions in order. So another
+// one writes if the journal has more.
+absl::Status SqliteJournal::OutOfSequence(std::uint64_t revision, std::int64_t last) {
+  if (static_cast<std::int64_t>(revision) > last) return NotTheNextRevision(revision, last);
+  absl::Status another = WrittenByAnother(revision, last);
+  if (!told_of_another_.exchange(true)) {
+    Log(LogLevel::kError, "journal_shared", {{"journal", path_}, {"error", another.message()}});
+  }
+  return another;
 }
 
 // After a failure the rest is left for the next time.

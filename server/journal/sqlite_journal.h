@@ -11,6 +11,11 @@
 // (sqlite_generations.h). They are deleted at the mesh's next snapshot or when the journal is
 // opened.
 //
+// The files may go away while they are open (journal_presence.h). A group is committed only if they
+// are there just before. Else it is rolled back and refused, nothing on the disk is in doubt, and
+// writing goes on when they are back, without a probe. What was being committed at that moment is
+// in the files that went.
+//
 // Cost: a sync per group, O(bytes) and a search in a B-tree. Reads have connections of their own
 // and wait for no writer. Thread-safe.
 #ifndef DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
@@ -28,10 +33,12 @@
 #include "server/journal/folder_lock.h"
 #include "server/journal/heads_file.h"
 #include "server/journal/journal.h"
+#include "server/journal/journal_presence.h"
 #include "server/journal/losses.h"
 #include "server/journal/mesh_import.h"
 #include "server/journal/opening.h"
 #include "server/journal/sqlite.h"
+#include "server/journal/writes_under_way.h"
 
 namespace dynmesh::server {
 
@@ -54,7 +61,8 @@ class SqliteJournal final : public Journal, public MeshImport {
   ~SqliteJournal() override;
 
   std::string name() const override { return path_; }
-  Counts counts() const override { return {syncs_.load(), failures_.load(), failed_.load()}; }
+  Counts counts() const override;
+  void EndWrites(const absl::Status& why) override;
   std::uint64_t bytes() const override;
   absl::StatusOr<std::vector<Mesh>> List() override;
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
@@ -88,8 +96,8 @@ class SqliteJournal final : public Journal, public MeshImport {
     bool done = false;
   };
 
-  SqliteJournal(std::string path, const Options& options, FolderLock lock, OpenedJournal opened,
-                sqlite::Connection mover);
+  SqliteJournal(const std::string& folder, std::string path, const Options& options,
+                FolderLock lock, OpenedJournal opened, sqlite::Connection mover);
 
   absl::Status Write(const Change& change);
   // DATA_LOSS if the mesh has a loss.
@@ -108,8 +116,11 @@ class SqliteJournal final : public Journal, public MeshImport {
   void SweepAll();
   // Called by the writing thread.
   void WriteAll(std::unique_lock<std::mutex>& lock);
-  absl::Status Commit(const std::vector<Waiting*>& group);
-  absl::Status Probe();
+  // `refused` is set if the files are gone: nothing was handed to the disk.
+  absl::Status Commit(const std::vector<Waiting*>& group, bool* refused);
+  absl::Status Probe(bool* refused);
+  // FAILED_PRECONDITION: `revision` does not follow the journal's `last`.
+  absl::Status OutOfSequence(std::uint64_t revision, std::int64_t last);
   // MeshExists, or OK.
   absl::Status CheckNew(const std::string& id);
   absl::StatusOr<Key> InsertMesh(const std::string& id, const std::string& description);
@@ -123,7 +134,7 @@ class SqliteJournal final : public Journal, public MeshImport {
   // The mesh's last revision.
   absl::StatusOr<std::int64_t> LastOf(Key mesh);
   absl::Status Run(const char* sql, Key mesh);
-  absl::StatusOr<sqlite::Connection> OpenReader() const;
+  absl::StatusOr<sqlite::Connection> OpenReader();
 
   const std::string path_;
   const Options options_;
@@ -141,6 +152,7 @@ class SqliteJournal final : public Journal, public MeshImport {
   int position_pages_ = 0;  // when the log's salt was read
   std::uint64_t log_salt_ = 0;
   const std::unique_ptr<HeadsFile> heads_;
+  JournalPresence presence_;
 
   std::atomic<std::uint64_t> syncs_{0};
   std::atomic<std::uint64_t> failures_{0};
@@ -149,6 +161,8 @@ class SqliteJournal final : public Journal, public MeshImport {
   std::condition_variable ended_;  // a transaction ended
   std::vector<Waiting*> waiting_;
   bool writing_ = false;
+  WritesUnderWay under_way_;
+  std::atomic<bool> told_of_another_{false};
 
   Checkpointer checkpointer_;
 };

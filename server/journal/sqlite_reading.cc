@@ -139,9 +139,12 @@ void NameDamaged(const std::vector<HeadsFile::Head>& recorded,
 
 }  // namespace
 
-// In a transaction, so that all reads see one state.
-absl::StatusOr<Connection> SqliteJournal::OpenReader() const {
-  absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
+// In a transaction, so that all reads see one state. If the folder is gone, nothing is made at its
+// path, and another journal that stands there is not read.
+absl::StatusOr<Connection> SqliteJournal::OpenReader() {
+  absl::StatusOr<Connection> reader =
+      Connection::Open(path_, options_.vfs, Connection::Missing::kRefuse);
+  if (absl::Status gone = presence_.Look(); !gone.ok()) return gone;
   if (!reader.ok()) return reader.status();
   if (absl::Status s = reader->Run("BEGIN"); !s.ok()) return s;
   return reader;

@@ -95,6 +95,9 @@ class Daemon {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
+  // It has ended and was waited for.
+  void Forget() { child_ = 0; }
+
   std::string Log() const {
     std::ostringstream text;
     text << std::ifstream(folder_ + "/log").rdbuf();

@@ -1,5 +1,6 @@
 #include "tests/server/journal/failing_vfs.h"
 
+#include <condition_variable>
 #include <mutex>
 
 namespace dynmesh::server {
@@ -12,8 +13,19 @@ struct Plan {
   int left = 0;  // operations until the one that fails
   int write_error = SQLITE_FULL;
   int failures = 0;
+  bool holds = false;
+  int held = 0;
+  std::condition_variable healed;
 };
 Plan plan;
+
+void WaitIfHeld() {
+  std::unique_lock lock(plan.mutex);
+  if (!plan.holds) return;
+  ++plan.held;
+  plan.healed.wait(lock, [] { return !plan.holds; });
+  --plan.held;
+}
 
 // Should this operation fail?
 bool Strikes() {
@@ -47,6 +59,7 @@ int Truncate(sqlite3_file* f, sqlite3_int64 size) {
   return Strikes() ? SQLITE_IOERR_TRUNCATE : Real(f)->pMethods->xTruncate(Real(f), size);
 }
 int Sync(sqlite3_file* f, int flags) {
+  WaitIfHeld();
   return Strikes() ? SQLITE_IOERR_FSYNC : Real(f)->pMethods->xSync(Real(f), flags);
 }
 int FileSize(sqlite3_file* f, sqlite3_int64* size) {
@@ -134,9 +147,20 @@ void FailingVfs::FailAt(int at, bool ever, int write_error) {
   plan.failures = 0;
 }
 
+void FailingVfs::HoldSyncs() {
+  const std::lock_guard lock(plan.mutex);
+  plan.holds = true;
+}
+
 void FailingVfs::Heal() {
   const std::lock_guard lock(plan.mutex);
-  plan.armed = false;
+  plan.armed = plan.holds = false;
+  plan.healed.notify_all();
+}
+
+int FailingVfs::held() {
+  const std::lock_guard lock(plan.mutex);
+  return plan.held;
 }
 
 int FailingVfs::failures() {

@@ -1,15 +1,18 @@
 // A server that stops in the middle of a transaction, or is cut off: the database hears nothing
-// more on a connection that stays open. Another server can have the mesh nevertheless.
+// more on a connection that stays open. Another server can have the mesh nevertheless. And the
+// reverse: a database that does not answer.
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <string>
+#include <thread>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/postgres_fixture.h"
 #include "tests/server/journal/postgres_proxy.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -57,6 +60,28 @@ TEST_F(PostgresStuckTest, ATransactionThatGoesOnNoMoreKeepsNoMesh) {
     proxy_.Release();
   }
   EXPECT_GT(stuck, 3);
+}
+
+// Of two appends to a mesh, one is the database's and the other waits for its turn.
+TEST_F(PostgresStuckTest, AtTheEndWhatTheDatabaseHasIsWaitedForAndTheRestIsRefused) {
+  const JournalPtr journal = Open();
+  const Journal::Key key = *journal->Create("m", "");
+  ASSERT_TRUE(journal->Append(key, Journal::Entry{1, "x"}, std::nullopt).ok());
+  EXPECT_EQ(journal->counts().oldest_write, absl::ZeroDuration());
+  server_.Pause();
+  absl::Status first, second;
+  std::thread writer([&] { first = journal->Append(key, Journal::Entry{2, "y"}, std::nullopt); });
+  test::WaitUntil("the first append",
+                  [&] { return journal->counts().oldest_write > absl::Seconds(1); });
+  std::thread other([&] { second = journal->Append(key, Journal::Entry{3, "z"}, std::nullopt); });
+  journal->EndWrites(absl::UnavailableError("it ends"));
+  EXPECT_EQ(journal->Create("n", "").status().message(), "it ends");
+  server_.Resume();
+  writer.join();
+  other.join();
+  EXPECT_TRUE(first.ok()) << first;
+  EXPECT_EQ(second.message(), "it ends");
+  EXPECT_EQ(Told(*journal, key), "1:x 2:y ");
 }
 
 }  // namespace

@@ -211,6 +211,38 @@ TEST_F(SqliteJournalTest, AfterAFailedWriteNothingIsWrittenUntilAProbeWas) {
   EXPECT_EQ(Told(*journal_, key), "1:x 2:z ");
 }
 
+TEST_F(SqliteJournalTest, AtTheEndASyncThatHangsIsWaitedForAndTheRestIsRefused) {
+  OpenFailing();
+  const auto a = *journal_->Create("a", ""), b = *journal_->Create("b", "");
+  EXPECT_EQ(journal_->counts().oldest_write, absl::ZeroDuration());
+  FailingVfs::HoldSyncs();
+  absl::Status first, second, third;
+  std::thread one([&] { first = journal_->Append(a, Entry{1, "x"}, std::nullopt); });
+  test::WaitUntil("the sync", [] { return FailingVfs::held() == 1; });
+  std::thread two([&] { second = journal_->Append(b, Entry{1, "y"}, std::nullopt); });
+  std::thread three([&] { third = journal_->Create("c", "").status(); });
+  test::WaitUntil("an old write",
+                  [this] { return journal_->counts().oldest_write > absl::Milliseconds(50); });
+  EXPECT_EQ(Told(*journal_, a), "");  // reading goes on
+  EXPECT_FALSE(journal_->counts().failing);
+  journal_->EndWrites(absl::UnavailableError("it ends"));
+  two.join();
+  three.join();
+  EXPECT_EQ(second.message(), "it ends");
+  EXPECT_EQ(third.message(), "it ends");
+  EXPECT_EQ(journal_->Append(b, Entry{1, "y"}, std::nullopt).message(), "it ends");
+  EXPECT_EQ(journal_->Delete(b).message(), "it ends");
+  EXPECT_EQ(FailingVfs::held(), 1);
+  FailingVfs::Heal();
+  one.join();
+  EXPECT_TRUE(first.ok()) << first;
+  EXPECT_EQ(journal_->counts().oldest_write, absl::ZeroDuration());
+  Open();
+  EXPECT_EQ(Told(*journal_, a), "1:x ");
+  EXPECT_EQ(Told(*journal_, b), "");
+  EXPECT_EQ(journal_->List()->size(), 2u);
+}
+
 // A short script of a journal. Every step is repeated until it succeeds, `healed` times at most.
 // `model` has what is acknowledged; the journal must have the same, at once and when the files are
 // opened as a crash would leave them.
