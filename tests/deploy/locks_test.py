@@ -164,7 +164,7 @@ class Build(Folder):
         self.assertEqual(self.lines("log"), ["begin first"])
         (self.folder / "go").touch()
         self.assertEqual([first.ends(), second.ends()], [0, 0])
-        turns = [f"{what} {who}" for who in ("first", "second") for what in ("begin", "end") * 2]
+        turns = [f"{step} {name}" for name in ("first", "second") for step in ("begin", "end") * 2]
         self.assertEqual(self.lines("log"), turns)  # configured, built; the other one after it
         self.assertEqual(first.said(), "")
 
