@@ -3,7 +3,6 @@
 // A command's file offers one function, Register*Command, which adds a subcommand with its flags.
 // If the user selects it, it fills the slot, and main runs that. Exit codes: 0 done, 1 failed, 2
 // bad usage or bad input. Results go to standard output, all else to standard error.
-// output, everything else to standard error.
 #ifndef DYNMESH_CLIENT_CLI_COMMAND_H_
 #define DYNMESH_CLIENT_CLI_COMMAND_H_
 

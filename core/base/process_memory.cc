@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 // A heap up to this size has ordinary pages: a small mesh costs what it did.
-constexpr std::size_t kSmallHeap = 4 * kMiB;
+constexpr std::size_t kSmallHeap = 8 * kMiB;
 
 // No heap reaches from here on: growth is not noticed.
 constexpr std::uintptr_t kNowhere = ~std::uintptr_t{0} >> 1;

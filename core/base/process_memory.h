@@ -7,8 +7,8 @@
 //    pages in them. They return to the system when freed. (Large arrays grow by doubling. By
 //    default glibc soon keeps the smaller former blocks, of tens of megabytes, unused in its heap:
 //    a fifth of the process.)
-// 2. The heap of a command requests huge pages from 4 MiB on, as it grows. It grows in large
-//    steps and does not shrink: what is free is used again. Up to 4 MiB it has ordinary pages, so
+// 2. The heap of a command requests huge pages from 8 MiB on, as it grows. It grows in large
+//    steps and does not shrink: what is free is used again. Up to 8 MiB it has ordinary pages, so
 //    small meshes take no more memory or time.
 // 3. The heap of a server has ordinary pages, as it gives back what is free page by page. The
 //    system may make a huge page whole again of which a part was given back.

@@ -23,7 +23,7 @@ enum class Ended {
   kCancelled,
   kOverLimits,  // of the mesh
   kOverWork,    // more operations than the batch may execute
-  kTooDear,     // a build from scratch is cheaper
+  kTooDear,     // a build from scratch is expected to be cheaper
 };
 
 // A new state and its mesh.
@@ -37,7 +37,7 @@ struct Built {
 template <int D>
 struct BatchRun {
   // Runs stale operations until there are none, or there is a reason to stop. `plan`: kRebuild for
-  // a fresh state, which is never too dear, since there is no alternative.
+  // a fresh state, which is never stopped as kTooDear, since there is no alternative.
   Ended Propagate(MeshState<D>& state, Plan plan);
   // A state of the features that `all` adds, `features` in number. Errors: those of StatusOf, and
   // labels or names that cannot be distinguished.

@@ -150,9 +150,11 @@ struct Complex {
   std::vector<VertexIndex> appeared;
   // Of all vertices present, in a run from scratch; else null.
   Triangulation* triangulation;
-  // Where the next published vertex goes. It saves searching and changes no result.
+  // About the next vertex that is published, from the operation that makes it. `near` and `buckets`
+  // decide epochs (FirstGaps::FindOf): with others the mesh is another one. `triangle` saves
+  // searching only.
   struct Hints {
-    VertexIndex near = 0;  // a vertex near it
+    VertexIndex near = 0;  // the operation's vertex, near the new one
     // The triangle with the gap that it fills, if known.
     std::uint32_t triangle = Triangulation::kNone;
     // The bucket of the gap that a vertex last filled, by the vertex's ordinal in its operation.

@@ -139,8 +139,10 @@ class Payload {
   // kComplete: no vertex beyond this squared distance can be in a ball that was read. kNearest: the
   // squared distance of the nearest vertex. Rounded up.
   float radius2 = 0;
-  // kComplete: a candidate yielded to encroached subsegments, or was kept out by them. Checks:
-  // encroached (then the reads are the witnesses).
+  // kComplete: a candidate yielded to encroached subsegments, or was kept out by them. kCure: a
+  // candidate encroached on a subsegment. Checks: encroached (then the reads are the witnesses).
+  // kPresplit: a feature is too near (then radius2 is its squared distance, and the reads name it
+  // unless a facet is nearer).
   std::uint32_t flag : 1 = 0;
 
   // kComplete: stores the balls of `cover`, coarsely. `doubt`: an error bound of its measures.

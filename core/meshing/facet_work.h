@@ -29,17 +29,17 @@ inline constexpr double kNearFacet = 0.7;
 // Squared. A counterpart may have vertices nearer to it than the one that it is the counterpart of.
 // Its first work comes as if the nearest were at half of that distance: too early does no harm.
 inline constexpr double kNearCounterpart = 0.25;
-// A place on a facet near another facet with a common edge at a small angle moves to the lattice
-// about that edge (sharp_facets.h), which is as wide as the place is far from its neighbours. All
-// facets at the edge have the same lattice. So vertices that come from different facets have the
-// same counterparts, or such that are far apart. Else counterparts would come next to each other,
-// vertices would come between them, these would have counterparts on other facets: without end.
-// Steps of half that width make larger meshes.
+// Where facet F meets G at a small dihedral angle along an edge, new points on F near G are moved
+// to a lattice in F along that edge (sharp_facets.h), with a step of at most the distance to the
+// nearest vertex. All facets at the edge have the same lattice, turned about it. So counterparts
+// coincide or are far apart. Otherwise they would come close to each other, points would come
+// between them, and these would have counterparts on the other facets, without end. Half of that
+// step makes larger meshes.
 //
-// At a common corner there is no lattice. There a place that comes nearer than this to the
-// counterpart of some other vertex gives way to it. In units of the distance from the place to the
-// vertex at work, and, if it is that of a gap, of the gap's radius. 0.1 and 0.2 of a gap make
-// larger meshes.
+// At a common corner there is no lattice. There a point that comes nearer than this to the
+// counterpart of another vertex is moved onto it. In units of the distance from the point to the
+// vertex at work; for the point of a gap, of the gap's radius. 0.1 and 0.2 of a gap make larger
+// meshes.
 inline constexpr double kGivesWay = 0.3, kGapGivesWay = 0.15;
 
 // A place on a facet; there is none if `facet` is null.

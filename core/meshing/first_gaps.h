@@ -2,7 +2,7 @@
 //
 // Once the input's subsegments are settled, all present gaps are found at once, triangle by
 // triangle; later gaps when their owner, the newborn, is published. The segment work of bucket 0
-// comes first. So the pass is requested as a Nearest, the last step of that bucket.
+// comes first. So the pass is an operation of kind kNearest, which has the last step of bucket 0.
 #ifndef DYNMESH_CORE_MESHING_FIRST_GAPS_H_
 #define DYNMESH_CORE_MESHING_FIRST_GAPS_H_
 

@@ -13,8 +13,11 @@
 
 namespace dynmesh::meshing {
 
-// The only writer of the complex during a propagation, but for new elements (splits.h).
-// Thread-compatible.
+// Makes what operations emit visible: during a propagation vertices and exposures of subsegments
+// come and go here only. Others that write to the complex then: operations make new elements
+// (splits.h), note what they decide (hints, marks of gaps that are left, of slivers and of limits
+// that are met: complete.h, segments.h, sliver_base.h), and the triangulation of the input is made
+// as a whole (input_triangulation.h). Thread-compatible.
 template <int D, template <class> class E>
 class Publisher {
  public:

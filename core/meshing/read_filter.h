@@ -81,8 +81,8 @@ class ReadFilter {
   // distance: the one read stands for all.
   bool NearestMatters(sac::OpId op, VertexIndex v, bool appears) const;
   // True if v, in the region that `op` read, may change the operation's result. A vertex of
-  // refinement in the sliver's ball is not tested: then the sliver is gone. Reads of candidates on
-  // facets are not examined: the answer is true.
+  // refinement in the ball of the sliver itself is not tested: the sliver is gone then, and its
+  // operation is dropped. What candidates on facets read is not examined: the answer is true.
   bool CureMatters(sac::OpId op, VertexIndex v, bool appears) const;
   // True if y would be a neighbour in the star that `op` read.
   bool ConflictsWithStar(sac::OpId op, const Point& y) const;

@@ -62,8 +62,9 @@ class CommonRules {
 
   // Termination guard: true if a subsegment of squared length s2 is too short to be split for a gap
   // in `bucket`.
-  // 1. Work of a bucket of edges of length l makes nothing much shorter than l (Lemmas 4.3.1,
-  //    5.3.4).
+  // 1. Work of a bucket of edges of length l makes nothing much shorter than l (Lemmas 4.3.1 and
+  //    5.3.4). These are for rho > 1 without target lengths. Otherwise lengths need not grow from
+  //    one round to the next, and the number of rounds of a bucket has no bound.
   // 2. Exception: where segments meet at angles for which rho is too near to 1, each split can
   //    require a shorter one, round after round of one bucket.
   // 3. The guard ends that once halves are shorter than l / 64. It is a function of the place in

@@ -66,8 +66,8 @@ struct PlaceOnLattice {
 // of the facet. Nothing if the point is outside of the facet, or on the edge.
 std::optional<PlaceOnLattice> OnLattice(const Facet& facet, const Axis& axis,
                                         const geometry::Point3& x, double step);
-// No place is farther from the lattice than this, in steps: half of a step aside, and from the row
-// so much that both rows' points are equally far.
+// The lattice's covering radius in steps: no point of its plane is farther from it. That is the
+// circumradius of a triangle of two neighbours in a row and the point between them in the next.
 inline constexpr double kFarthestOnLattice = 0.5657;
 
 // Do the facets have an edge in common at which they meet at a small angle?

@@ -6,8 +6,7 @@
 // apex that are round dyadic numbers, the same for all segments that meet there.
 // 1. Subsegments between the same two shells never encroach on each other.
 // 2. A subsegment is split at the coarsest dyadic number in its middle half. So the subsegments of
-// two
-//    segments agree after finitely many splits, and are never finer than either segment needs.
+//    two segments agree after finitely many splits, and are never finer than either segment needs.
 //
 // An edge between two segments of a wedge that joins vertices of one shell is *seditious*: it is as
 // short as the angle makes it. No criterion applies to it, or the wedge would be refined for ever.

@@ -191,7 +191,10 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::StatusOr<EditOutcome> Change(HeldEdit& edit, const Fingerprint& content);
   absl::Status CheckRoom(std::size_t adds, std::size_t removes) const;
   absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
+  // On the strand or, for a flight, on any thread: one at a time, since a flight ends before the
+  // next write begins (append_pipeline.h).
   absl::Status WriteDown(std::span<const MeshLog::Batch> batches, EditSource source);
+  // On the strand.
   absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff);
   void Finish(HeldEdit edit);
   absl::Status Lose(absl::string_view why);
@@ -242,7 +245,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::optional<MeshHistory> history_;  // none: there is no journal
   const absl::Status read_only_;
 
-  // Used on the strand only.
+  // Used on the strand only, but for log_: the flight under way writes to it, on any thread.
   const std::unique_ptr<DynamicMesh> mesh_;
   const std::unique_ptr<MeshLog> log_;
   RequestMemory requests_;

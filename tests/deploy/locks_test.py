@@ -143,7 +143,7 @@ class Build(Folder):
         self.program(
             "cmake",
             f"echo begin $BUILD >>{self.folder}/log\n"
-            f"until [[ -e {self.folder}/go ]]; do sleep 0.05; done\n"
+            f"until [[ -e {self.folder}/go || ! -e {self.folder} ]]; do sleep 0.05; done\n"
             f"echo end $BUILD >>{self.folder}/log",
         )
 
@@ -164,16 +164,17 @@ class Build(Folder):
         self.assertEqual(self.lines("log"), ["begin first"])
         (self.folder / "go").touch()
         self.assertEqual([first.ends(), second.ends()], [0, 0])
-        turns = [f"{what} {who}" for who in ("first", "second") for what in ("begin", "end") * 2]
+        turns = [f"{step} {name}" for name in ("first", "second") for step in ("begin", "end") * 2]
         self.assertEqual(self.lines("log"), turns)  # configured, built; the other one after it
         self.assertEqual(first.said(), "")
 
     def test_of_two_folders_do_not_wait(self):
-        self.build("release", "first")
+        first = self.build("release", "first")
         self.wait_for_line("begin first")
-        self.build("dev", "second")
+        second = self.build("dev", "second")
         self.wait_for_line("begin second")
         (self.folder / "go").touch()
+        self.assertEqual([first.ends(), second.ends()], [0, 0])
 
 
 class MainJob(Folder):

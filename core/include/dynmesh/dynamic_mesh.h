@@ -116,8 +116,8 @@ class DynamicMesh {
   // Makes the next revision from `batch`, as `apply_options` say, and returns the diff. An empty
   // batch makes none: its diff is empty and has from_revision == to_revision.
   //
-  // Expected time O(m_f lg(L / s)): m_f vertices lie on the features of the batch, L is the side of
-  // the domain, s the least distance between features that do not touch.
+  // Expected time O(m_f lg(L / s)); exceptions: docs/engine.md. m_f vertices lie on the features of
+  // the batch, L is the side of the domain, s the least distance of features that do not touch.
   //
   // On an error the mesh is as it was. Errors (reasons: error.h):
   //   * INVALID_ARGUMENT: a feature or edit is malformed by itself;
