@@ -24,7 +24,7 @@ TEST(PostgresErrors, WhatComesBeforeACommitIsKnown) {
     EXPECT_FALSE(FailureOf(state, "x").unknown) << state;
     EXPECT_TRUE(absl::IsUnavailable(FailureOf(state, "x").status)) << state;
   }
-  for (const char* state : {"08006", "08003", "40003", "57P01", "57P02", "XX000", ""}) {
+  for (const char* state : {"08006", "08003", "40003", "57P01", "57P02", "25P03", "XX000", ""}) {
     EXPECT_TRUE(FailureOf(state, "x").unknown) << state;
   }
   for (const char* state : {"XX001", "XX002"}) {
