@@ -38,6 +38,18 @@ std::optional<CertificateWatch::Finding> CertificateWatch::Due(absl::Time now) {
   return finding;
 }
 
+void CertificateWatch::TellRefused(const std::string& file, const Validity& validity,
+                                   absl::Time now) {
+  constexpr char kStays[] = "the former certificate stays in use while it is valid";
+  if (now >= validity.until) {
+    Log(LogLevel::kError, "certificate_expired",
+        {{"file", file}, {"until", Text(validity.until)}, {"message", kStays}});
+  } else {
+    Log(LogLevel::kError, "certificate_not_valid_yet",
+        {{"file", file}, {"from", Text(validity.from)}, {"message", kStays}});
+  }
+}
+
 void CertificateWatch::Look(absl::Time now) {
   const std::optional<Finding> finding = Due(now);
   if (!finding.has_value()) return;

@@ -15,6 +15,8 @@ namespace dynmesh::server {
 struct Validity {
   absl::Time from = absl::InfinitePast();
   absl::Time until = absl::InfiniteFuture();
+
+  bool Contains(absl::Time now) const { return from <= now && now < until; }
 };
 
 class CertificateWatch {
@@ -29,6 +31,9 @@ class CertificateWatch {
   std::optional<Finding> Due(absl::Time now);
   // Logs what is Due.
   void Look(absl::Time now);
+  // Logs that certificates of `file` with `validity` are not valid at `now`, and that those in use
+  // stay.
+  static void TellRefused(const std::string& file, const Validity& validity, absl::Time now);
 
  private:
   std::optional<Finding> FindAt(absl::Time now) const;

@@ -11,6 +11,7 @@
 #include <array>
 #include <ctime>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -133,6 +134,7 @@ class FileCredentials final : public TlsCredentials {
     if (now - looked_ < kBetweenLooks && now >= looked_) return;
     looked_ = now;
     ReadAgainIfChanged();
+    if (next_.has_value() && MayReplace(*next_, now)) UseNext();
     own_.Look(now);
     clients_.Look(now);
   }
@@ -169,13 +171,41 @@ class FileCredentials final : public TlsCredentials {
     if (stamps == stamps_) return;
     stamps_ = stamps;
     absl::StatusOr<Material> read = ReadMaterial(files_);
-    if (read.ok()) {
-      Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
-      Use(*std::move(read));
-    } else {
+    next_.reset();
+    if (!read.ok()) {
       Log(LogLevel::kError, "tls_reload_failed",
           {{"error", read.status().message()}, {"message", "the former certificate stays"}});
+      return;
     }
+    next_ = *std::move(read);
+    if (const absl::Time now = absl::Now(); MayReplace(*next_, now)) {
+      UseNext();
+    } else {
+      TellRefused(*next_, now);
+    }
+  }
+
+  // False: a certificate that is in use is valid, and the one in its place is not. Each new
+  // connection would fail.
+  bool MayReplace(const Material& next, absl::Time now) const {
+    const auto may = [now](const std::string& old_pem, const std::string& new_pem) {
+      return ValidityOf(new_pem).Contains(now) || !ValidityOf(old_pem).Contains(now);
+    };
+    return may(material_.certificate, next.certificate) &&
+           (files_.client_ca.empty() || may(material_.client_ca, next.client_ca));
+  }
+
+  void TellRefused(const Material& next, absl::Time now) const {
+    for (const auto& [file, pem] : {std::pair{&files_.certificate, &next.certificate},
+                                    std::pair{&files_.client_ca, &next.client_ca}}) {
+      const Validity validity = ValidityOf(*pem);
+      if (!validity.Contains(now)) CertificateWatch::TellRefused(*file, validity, now);
+    }
+  }
+
+  void UseNext() {
+    Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
+    Use(*std::exchange(next_, std::nullopt));
   }
 
   void Use(Material material) {
@@ -195,8 +225,9 @@ class FileCredentials final : public TlsCredentials {
   CertificateWatch clients_;
   absl::Time looked_ = absl::InfinitePast();
   std::array<FileStamp, 3> stamps_;
-  Material material_;
-  bool fetched_ = false;  // gRPC has the content of material_
+  Material material_;             // in use
+  std::optional<Material> next_;  // in the files, but not valid while that is
+  bool fetched_ = false;          // gRPC has the content of material_
 };
 
 }  // namespace

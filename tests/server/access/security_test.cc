@@ -170,6 +170,39 @@ TEST_F(TlsTest, BadNewFilesLeaveTheOldOnes) {
   EXPECT_TRUE(Try("stranger").ok());
 }
 
+TEST_F(TlsTest, AnExpiredCertificateDoesNotReplaceAValidOne) {
+  Start(Files("server"));
+  ASSERT_TRUE(Try("ca").ok());
+  EXPECT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  Use("late");
+  EXPECT_TRUE(Try("ca").ok()) << Text(Try("ca"));
+  EXPECT_TRUE(Try("ca").ok());
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  EXPECT_NE(log.find("event=certificate_expired file=" + Path("cert") + " until="),
+            std::string::npos)
+      << log;
+  EXPECT_NE(log.find("the former certificate stays in use while it is valid"), std::string::npos)
+      << log;
+  EXPECT_EQ(log.find("tls_reloaded"), std::string::npos) << log;
+  Use("intruder");  // a valid one does
+  EXPECT_TRUE(Try("stranger").ok());
+}
+
+TEST_F(TlsTest, AnExpiredCertificateReplacesAnExpiredOne) {
+  EXPECT_TRUE(SetLogLevel("off").ok());
+  Start(Files("late"));
+  EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(SetLogLevel("info").ok());
+  Use("late");
+  EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("event=tls_reloaded"), std::string::npos) << log;
+}
+
 TEST_F(TlsTest, FilesThatAreBadAtTheStartAreNamed) {
   const TlsFiles good = Files("server", true);
   const auto error = [&](TlsFiles files) {
