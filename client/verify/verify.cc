@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -149,27 +148,6 @@ void ForgiveForeign(bool judges_rho, VerifyReport& report) {
   });
 }
 
-// Of a part: its points lie where the input has them.
-VerifyCheck CheckPoints(const io::IndexedMesh& mesh, const std::vector<Feature>& features) {
-  Findings findings("input");
-  std::map<FeatureId, const Feature*> points;
-  for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) points[f.id] = &f;
-  }
-  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
-    const io::IndexedMesh::Vertex& v = mesh.vertices[i];
-    if (v.containing_dimension != 0 || v.owner == kBoxFeature) continue;
-    const auto point = points.find(v.owner);
-    if (point == points.end()) {
-      findings.Add(Concat(VertexName(i), " has the marker ", v.owner, ", which is no point"));
-    } else if (std::array<double, 3> at = point->second->position;
-               at[0] != v.x || at[1] != v.y || (mesh.dimension == 3 && at[2] != v.z)) {
-      findings.Add(Concat(VertexName(i), " is not at point ", v.owner));
-    }
-  }
-  return findings.Take();
-}
-
 void CheckFeatures(const io::MeshFiles& files, const std::vector<Face>& faces,
                    const std::vector<Feature>& features, MeshScope scope, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
@@ -177,7 +155,7 @@ void CheckFeatures(const io::MeshFiles& files, const std::vector<Face>& faces,
   const bool in_space = mesh.dimension == 3;
   Chains chains;
   report.checks.push_back(is_whole ? CheckInput(mesh, features, &chains)
-                                   : CheckPoints(mesh, features));
+                                   : CheckPartInput(mesh, features, files.has_edges));
   const auto is_size = [](const Feature& f) { return f.kind == FeatureKind::kSize; };
   if (std::ranges::any_of(features, is_size)) {
     report.checks.push_back(CheckSizes(mesh, features));

@@ -16,10 +16,13 @@
 //                edges and vertices
 //   quality      no triangle over rho, except exempt ones
 //   hash         the recorded hash is that of the file's content
-//   input        (if given) every input point is a vertex with its id as marker; every segment is
-//                a straight chain of edges with its id; so is every edge of a polygon, with the
-//                id of the segment with the same ends, else of the first polygon that has it;
-//                no other ids occur
+//   input        (if given) every input point is a vertex with its id as marker, bit for bit;
+//                every segment is a straight chain of edges with its id from one end to the other;
+//                so is every edge of a polygon, with the id of the segment with the same ends, else
+//                of the first polygon that has it; no other ids occur. Straight: each step goes
+//                forward along the segment, exactly, and no vertex is more than 16 ulps of the
+//                largest coordinate from its line. Vertices of other segments may be nearer than
+//                that: markers, not distances, tell the chains apart
 //   sizes        (if the input is given and has sizing features) no edge of a triangle that meets
 //                a region by more than rounding is longer than sqrt 2 times the target
 //   regions      (if the input is given) every triangle has the polygons around it, tested
@@ -44,10 +47,11 @@
 // sum of manifold there is
 //   overlap      no vertex lies in a simplex that does not have it, and no two sides of the border
 //                cross: so no place is covered twice
-// and of the input only the positions of points are checked, sizes and, in 2D, regions. Of a file
-// with the input's markers no regions are known. A mesh of
-// another mesher (kForeign) has vertices, orientation, manifold, overlap and, if a rho is given,
-// quality. What is not Delaunay is counted only.
+// and of the input what lies in the part: positions of points; segments and edges of polygons as
+// chains, which end where they leave the part; sizes and, in 2D, regions. Of a file with the
+// input's markers no regions are known. A mesh of another mesher (kForeign) has vertices,
+// orientation, manifold, overlap and, if a rho is given, quality. What is not Delaunay is counted
+// only.
 #ifndef DYNMESH_CLIENT_VERIFY_VERIFY_H_
 #define DYNMESH_CLIENT_VERIFY_VERIFY_H_
 

@@ -114,6 +114,11 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& 
 using Chains = std::map<std::pair<FeatureId, FeatureId>, std::vector<std::uint32_t>>;
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                        Chains* chains = nullptr);
+// The same for a part of a mesh. Without `has_edges` no marker is known: then points only. O(n lg
+// n), plus for each edge on the rest of a joint whose ends are not in the part O(joints of its
+// feature).
+VerifyCheck CheckPartInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
+                           bool has_edges);
 // O(n lg n), plus for each sizing feature O(simplices that are too long for it), mostly a
 // comparison of boxes.
 VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
@@ -160,7 +165,8 @@ void Record(const Shape& shape, VerifyReport& report);
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);
 // Vertices that refinement puts on a segment or a polygon are rounded to doubles. Each may inherit
-// the rounding errors of the vertices between which it was placed.
+// the rounding errors of the vertices between which it was placed. So a vertex is on a segment if
+// it is at most so many ulps of the mesh's largest coordinate from its line.
 inline constexpr double kStraightnessUlps = 16;
 // The tolerance of rho for rounded coordinates: 2e-9 + 8 u / e', where e' is the root of the
 // largest power of two <= e^2, e the shortest edge and u the ulp.

@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/finest_place.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/live_mesh.h"
 #include "core/svr/svr.h"
@@ -99,8 +100,9 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
            IsOverLimits(mesher.result(), options.limits.max_vertices);
   });
   if (is_interrupted) return GivenUpError();
-  if (absl::Status status = LimitsStatus(mesher.result(), options); !status.ok()) return status;
-  if (mesher.executed() > most) return WorkLimitError(most);
+  absl::Status within = LimitsStatus(mesher.result(), options);
+  if (within.ok() && mesher.executed() > most) within = WorkLimitError(most);
+  if (!within.ok()) return NameFinestPlace(std::move(within), *delta, plc, options);
   meter.End(work().done);
 
   meter.Begin(ApplyProgress::Stage::kDiff);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/steps.h"
+#include "core/dynamic_mesh/finest_place.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/stopwatch.h"
 #include "core/mesh_data/diff_meshes.h"
@@ -21,7 +22,9 @@ absl::StatusOr<MeshDiff> Transaction<D>::Run(Plan plan) {
   }
   if (!status_.ok()) {
     RollBack();
-    return status_;
+    return outcome == Outcome::kRefused
+               ? NameFinestPlace(std::move(status_), delta_, mesh_.plc, run_.options)
+               : status_;
   }
   Accept();
   return std::move(diff_);

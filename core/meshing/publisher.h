@@ -210,10 +210,15 @@ void Publisher<D, E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   Subsegment& s = complex_.subsegment(i);
   s.exposed = at;
   s.place_count = 0;
-  complex_.tree.Cover(complex_.BallOf(s), [&](sac::Place place, sac::Parts parts) {
-    complex_.subsegment(i).places[complex_.subsegment(i).place_count++] = place;
-    complex_.exposures.Add(place, i, parts);
-  });
+  constexpr std::size_t kCrowd = 48;
+  const auto is_crowded = [&](sac::Place place) {
+    return complex_.exposures.at(place).size() >= kCrowd;
+  };
+  complex_.tree.CoverToKeep(
+      complex_.BallOf(s), is_crowded, [&](sac::Place place, sac::Parts parts) {
+        complex_.subsegment(i).places[complex_.subsegment(i).place_count++] = place;
+        complex_.exposures.Add(place, i, parts);
+      });
   complex_.elements.MarkSubsegmentChanged(i);
   notifier_.OfSubsegment(i, at, s.death);
 }

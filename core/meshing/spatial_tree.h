@@ -204,6 +204,31 @@ class SpatialTree {
     }
   }
 
+  // The same for a box that is kept at those nodes. Beside a row of points there may be a leaf as
+  // large as the domain and without any: it would keep the boxes of the whole row. So a leaf is
+  // split if it is larger than the box and is_crowded(node).
+  template <class IsCrowded, class Visit>
+  void CoverToKeep(const Extent<D>& box, IsCrowded is_crowded, Visit visit) {
+    double side = 0;
+    for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = SmallestAround(box, side);
+    while (top > 0) {
+      const Cell cell = stack[--top];
+      const bool is_larger = cell.half >= side;
+      if (is_larger && nodes_[cell.node].child == kNone && cell.half > least_half_ &&
+          is_crowded(cell.node)) {
+        Split(cell.node, cell);
+      }
+      if (!is_larger || nodes_[cell.node].child == kNone) {
+        visit(cell.node, PartsOf(box, cell));
+        continue;
+      }
+      PushChildrenIn(box, cell, stack, top);
+    }
+  }
+
   void Reserve(std::size_t points) {
     nodes_.reserve(points);
     leaves_.Reserve(points / 2);
@@ -372,6 +397,7 @@ class SpatialTree {
     nodes_[n].child = first;
     nodes_[n].leaves = kNone;
     for (int k = 0; k < kChildren; ++k) nodes_[first + k] = {kNone, kNone, n};
+    if (old == kNone) return;
     leaves_.MoveAll(old, [&](const Point& p) -> std::uint32_t& {
       return nodes_[first + Quadrant(p, cell)].leaves;
     });

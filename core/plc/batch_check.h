@@ -120,9 +120,6 @@ class BatchCheck {
   absl::Status CheckSizeDemand() const;
   absl::Status CheckSegmentGaps();
   absl::Status CheckFacetGaps();
-  template <class Visit>
-  void ForSegmentsWithin(const geometry::Point<D>& p, double distance, Visit visit);
-  std::pair<double, SegmentFeature<D>> CrowdOn(const SegmentFeature<D>& s, double distance);
   Delta<D> TakeDelta();
 
   const MeshOptions& options_;

@@ -94,12 +94,16 @@ void FeatureIndex<2>::QueryNear(const Point2& p, VisitPoint visit_point, VisitSe
   }
 }
 
-void FeatureIndex<2>::QueryWithin(const Point2& p, double distance, VisitSegment visit_segment,
-                                  std::uint64_t* cost) const {
-  general_.QueryWithin(p, distance, visit_segment, cost);
+void FeatureIndex<2>::QueryWithin(const SegmentFeature<2>& s, double distance,
+                                  VisitSegment visit_segment, std::uint64_t* cost) const {
+  general_.QueryWithin(s, distance, visit_segment, cost);
+  const Point2 lo = {{std::min(s.p[0], s.q[0]), std::min(s.p[1], s.q[1])}};
+  const Point2 hi = {{std::max(s.p[0], s.q[0]), std::max(s.p[1], s.q[1])}};
   for (const auto& [id, hub] : hubs_) {
     ++*cost;
-    if (IsNear(*hub, p, p, distance)) hub->segments.QueryWithin(p, distance, visit_segment, cost);
+    if (IsNear(*hub, lo, hi, distance)) {
+      hub->segments.QueryWithin(s, distance, visit_segment, cost);
+    }
   }
 }
 

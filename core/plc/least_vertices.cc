@@ -124,33 +124,6 @@ class DemandCells {
   int visits_ = 0;
 };
 
-// --- Segments ---------------------------------------------------------------------------
-
-// A subsegment is at most so many times as long as the distance of its neighbour.
-constexpr double kMostLength = 2 * kSlack;
-
-template <int D>
-double LengthOf(const SegmentFeature<D>& s) {
-  return std::sqrt(geometry::SquaredDistance(s.p, s.q));
-}
-
-constexpr int kSamples = 16;
-
-// The distance of t from positions along s, from the lesser end on.
-template <int D>
-std::array<double, kSamples + 1> DistancesAlong(const SegmentFeature<D>& s,
-                                                const SegmentFeature<D>& t) {
-  const Point<D>& lo = s.q < s.p ? s.q : s.p;
-  const Point<D>& hi = s.q < s.p ? s.p : s.q;
-  std::array<double, kSamples + 1> distances;
-  for (int i = 0; i <= kSamples; ++i) {
-    Point<D> p;
-    for (int k = 0; k < D; ++k) p[k] = lo[k] + (hi[k] - lo[k]) * i / kSamples;
-    distances[i] = DistanceOf(t, p);
-  }
-  return distances;
-}
-
 // --- Facets -----------------------------------------------------------------------------
 
 const std::vector<Point3>* OnlyRing(const Facet& f) {
@@ -242,60 +215,6 @@ SizeFeature<D> SizeOfMaxEdge(const MeshOptions& options) {
   return size;
 }
 
-template <int D>
-double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, const Limits& limits,
-                       double limit) {
-  if (s.p_id == t.p_id || s.p_id == t.q_id || s.q_id == t.p_id || s.q_id == t.q_id) return 0;
-  const double step = LengthOf(s) / kSamples;
-  const auto distances = DistancesAlong(s, t);
-  double vertices = 0;
-  for (const double distance : distances) {
-    const double g = std::max(distance, limit / 2);
-    // The distance from t is convex along s: positions within g form one interval.
-    const auto is_near = [g](double d) { return d <= g; };
-    const auto first = std::find_if(distances.begin(), distances.end(), is_near);
-    const auto last = std::find_if_not(first, distances.end(), is_near);
-    const double stretch = static_cast<double>(last - first - 1) * step;
-    // A subsegment at an end of the stretch has its middle beyond, perhaps.
-    vertices = std::max(vertices, stretch / (kMostLength * g) - 4);
-  }
-  // Splits end at max_depth. k splits leave at most 2^-k of the length, or at sharp angles
-  // (shells.h), as far as trials show, 2^(2-k).
-  return std::min(vertices, std::exp2(limits.max_depth - 3));
-}
-
-template <int D>
-double DistanceFor(const SegmentFeature<D>& s, double vertices) {
-  return LengthOf(s) / (kMostLength * vertices);
-}
-
-template <int D>
-double DistanceOf(const SegmentFeature<D>& t, const Point<D>& p) {
-  const Point<D>& lo = t.q < t.p ? t.q : t.p;
-  const Point<D>& hi = t.q < t.p ? t.p : t.q;
-  double length2 = 0, along = 0;
-  for (int k = 0; k < D; ++k) {
-    length2 += (hi[k] - lo[k]) * (hi[k] - lo[k]);
-    along += (hi[k] - lo[k]) * (p[k] - lo[k]);
-  }
-  if (along <= 0) return std::sqrt(geometry::SquaredDistance(p, lo));
-  if (along >= length2) return std::sqrt(geometry::SquaredDistance(p, hi));
-  double cross2 = 0;
-  for (int i = 0; i < D; ++i) {
-    for (int j = i + 1; j < D; ++j) {
-      const double minor = (hi[i] - lo[i]) * (p[j] - lo[j]) - (hi[j] - lo[j]) * (p[i] - lo[i]);
-      cross2 += minor * minor;
-    }
-  }
-  return std::sqrt(cross2 / length2);
-}
-
-template <int D>
-double LeastDistance(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
-  const auto distances = DistancesAlong(s, t);
-  return *std::min_element(distances.begin(), distances.end());
-}
-
 double LeastVerticesOn(const Facet& f, const Facet& g, double quality, double limit) {
   const std::vector<Point3>*const below = OnlyRing(f), *const above = OnlyRing(g);
   if (below == nullptr || above == nullptr) return 0;
@@ -331,15 +250,4 @@ template double TargetFor(const SizeFeature<2>&, const Box&, double);
 template double TargetFor(const SizeFeature<3>&, const Box&, double);
 template SizeFeature<2> SizeOfMaxEdge<2>(const MeshOptions&);
 template SizeFeature<3> SizeOfMaxEdge<3>(const MeshOptions&);
-template double LeastVerticesOn(const SegmentFeature<2>&, const SegmentFeature<2>&, const Limits&,
-                                double);
-template double LeastVerticesOn(const SegmentFeature<3>&, const SegmentFeature<3>&, const Limits&,
-                                double);
-template double DistanceFor(const SegmentFeature<2>&, double);
-template double DistanceFor(const SegmentFeature<3>&, double);
-template double DistanceOf(const SegmentFeature<2>&, const Point2&);
-template double DistanceOf(const SegmentFeature<3>&, const Point3&);
-template double LeastDistance(const SegmentFeature<2>&, const SegmentFeature<2>&);
-template double LeastDistance(const SegmentFeature<3>&, const SegmentFeature<3>&);
-
 }  // namespace dynmesh::plc

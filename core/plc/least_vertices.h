@@ -3,8 +3,8 @@
 //
 // The bounds follow from the guarantees of a finished mesh and from the splits of segments by near
 // features, whatever other features there are: an input that can be meshed is never refused. They
-// are not sharp: a half of the truth for large regions in 2D, a fifth in 3D, a fourteenth for two
-// lines, a few hundredths to a thousandth for close facets.
+// are not sharp: a half of the truth for large regions in 2D, a fifth in 3D, a third for lines, a
+// few hundredths to a thousandth for close facets.
 //
 // *Regions* with a target length h. Every simplex that meets the region has a circumradius R <= h /
 // sqrt 2.
@@ -16,9 +16,16 @@
 //   Thin regions: the balls of radius R about the vertices cover the region, so each covers at most
 //   2R of a length in it.
 //
-// *Two close segments* without a common end. A subsegment of one is split while the other one meets
-// the open ball about the subsegment's middle (presplit.h, IsTooNear). So where the other segment
-// is at a distance <= g, subsegments are no longer than 2g.
+// *A segment* s near others without a common end. A subsegment of s is split while another segment
+// meets the open ball about the subsegment's middle (presplit.h, IsTooNear). So a subsegment whose
+// middle is at a distance g from another segment is no longer than 2g. Cut s into stretches. On a
+// stretch of length l the distance is at most G: that from one segment is convex along s, so it is
+// greatest at an end of the stretch. Subsegments with the middle in the stretch are no longer than
+// 2G. They cover it but for what two others cover at its ends. One of those, with its middle x
+// beyond the end, at a distance g(x) from the other segment, is no longer than 2g(x) <= 2(G + the
+// distance of x from the end), and so covers at most G of the stretch. Hence at least l / 2G - 1
+// subsegments have their middle in it. The stretches begin and end where others do, and are halved
+// while the distance changes much along them.
 //
 // *A facet* with another facet over all of it at a height <= g. Let d be the distance of a position
 // x of it from the nearest vertex w, which is on the facet. The ray from w that rises at 45 degrees
@@ -57,11 +64,17 @@ double TargetFor(const SizeFeature<D>& size, const Box& domain, double most);
 template <int D>
 SizeFeature<D> SizeOfMaxEdge(const MeshOptions& options);
 
-// On segment s, because of t near it; 0 if they have a common end. REQUIRES: they do not meet
-// elsewhere; `limits.max_depth` and `limit` as in rules.h. O(1).
 template <int D>
-double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, const Limits& limits,
-                       double limit);
+bool HaveCommonEnd(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
+  return s.p_id == t.p_id || s.p_id == t.q_id || s.q_id == t.p_id || s.q_id == t.q_id;
+}
+
+// Inside segment s, because of those near it; segments with an end in common with s do not count.
+// REQUIRES: they do not meet s elsewhere; `limits.max_depth` and `limit` as in rules.h. O(n) for n
+// segments that run along s, at most O(n^2).
+template <int D>
+double LeastVerticesOn(const SegmentFeature<D>& s, std::span<const SegmentFeature<D>> near,
+                       const Limits& limits, double limit);
 // The distance of a neighbour of s that causes so many vertices.
 template <int D>
 double DistanceFor(const SegmentFeature<D>& s, double vertices);
@@ -71,12 +84,9 @@ double DistanceFor(const SegmentFeature<D>& s, double vertices);
 double LeastVerticesOn(const Facet& f, const Facet& g, double quality, double limit);
 double DistanceFor(const Facet& f, double vertices, double quality);
 
-// The distance of a position from a segment; the least distance of positions along s from t. The
-// same to the bit for both orders of the ends.
+// The distance of a position from a segment; the same to the bit for both orders of the ends.
 template <int D>
 double DistanceOf(const SegmentFeature<D>& t, const geometry::Point<D>& p);
-template <int D>
-double LeastDistance(const SegmentFeature<D>& s, const SegmentFeature<D>& t);
 
 }  // namespace dynmesh::plc
 

@@ -78,9 +78,9 @@ class SpatialIndex {
   void QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
                  VisitFacet visit_facet, std::uint64_t* cost) const requires(D == 3);
 
-  // Visits every segment (3D: and every facet) less than `distance` away from `p`, and maybe
-  // others; every facet less than `distance` away from f, and maybe others.
-  void QueryWithin(const geometry::Point<D>& p, double distance, VisitSegment visit_segment,
+  // Visits every segment less than `distance` away from s, and maybe others; every facet less than
+  // `distance` away from f, and maybe others.
+  void QueryWithin(const SegmentFeature<D>& s, double distance, VisitSegment visit_segment,
                    std::uint64_t* cost) const;
   void QueryWithin(const Facet& f, double distance, VisitFacet visit_facet,
                    std::uint64_t* cost) const requires(D == 3);

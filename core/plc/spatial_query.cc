@@ -74,25 +74,29 @@ struct SpatialIndex<D>::PointQuery {
 template <int D>
 struct SpatialIndex<D>::SegmentQuery {
   const GridSegment<D>* segment;
+  // In units: what is nearer is visited. Cells are grown by `grown` to clip the segment, and chords
+  // within `margin` of its part there are visited.
+  double reach, grown, margin;
   VisitPoint visit_point;
   VisitSegment visit_segment;
   VisitFacet visit_facet;
   std::uint64_t* cost;
 
-  bool Enters(const Cell& cell) const { return segment->Meets(cell, kQueryReach); }
+  bool Enters(const Cell& cell) const { return segment->Meets(cell, reach); }
   template <class F>
   void ForChildrenNear(const Cell& cell, F f) const {
-    segment->ForChildrenNear(cell, kQueryReach, f);
+    segment->ForChildrenNear(cell, reach, f);
   }
 
-  // The part of the segment in the cell grown by a unit, with an error well below a unit. False if
-  // there is none: then another cell has all that the segment meets.
+  // The part of the segment in the grown cell, with an error well below a unit. False if there is
+  // none: then another cell has all that the segment meets.
   bool Clip(const Cell& cell, UnitPoint<2>& a, UnitPoint<2>& b) const requires(D == 2) {
     const UnitPoint<2>&lo = segment->lo, &hi = segment->hi;
     double from = 0, to = 1;
     for (int axis = 0; axis < 2; ++axis) {
       const double d = hi[axis] - lo[axis];
-      const double first = cell.Lo(axis) - 1 - lo[axis], last = cell.Hi(axis) + 1 - lo[axis];
+      const double first = cell.Lo(axis) - grown - lo[axis],
+                   last = cell.Hi(axis) + grown - lo[axis];
       if (d == 0) {
         if (first > 0 || last < 0) return false;
         continue;
@@ -109,7 +113,8 @@ struct SpatialIndex<D>::SegmentQuery {
   }
 
   // A chord that meets the part ab in the cell passes on different sides of a and b. Its positions
-  // are taken in the cell's own range, at most a unit from a and b.
+  // are taken in the cell's own range, at most `grown` from a and b. Slopes of chords are at most
+  // 1: one that comes as near as r to ab is within 2 r of a or b, or between them.
   void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
     UnitPoint<2> a, b;
     if (!Clip(cell, a, b)) return;
@@ -117,7 +122,7 @@ struct SpatialIndex<D>::SegmentQuery {
       const double lo = cell.Lo(major), hi = cell.Hi(major);
       const ChordProbe positions = {std::clamp(a[major], lo, hi), a[1 - major],
                                     std::clamp(b[major], lo, hi), b[1 - major]};
-      chords.Visit(major, positions, 4, [this](const GridSegment<2>& chord) {
+      chords.Visit(major, positions, margin, [this](const GridSegment<2>& chord) {
         ++*cost;
         visit_segment(chord.feature);
       });
@@ -154,7 +159,8 @@ void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_poi
                                 VisitSegment visit_segment, VisitFacet visit_facet,
                                 std::uint64_t* cost) const {
   const GridSegment<D> segment(s, grid_);
-  Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, visit_facet, cost});
+  Visit(0, grid_.root(),
+        SegmentQuery{&segment, kQueryReach, 1, 4, visit_point, visit_segment, visit_facet, cost});
 }
 
 template <int D>
@@ -181,12 +187,13 @@ void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_poi
 }
 
 template <int D>
-void SpatialIndex<D>::QueryWithin(const geometry::Point<D>& p, double distance,
+void SpatialIndex<D>::QueryWithin(const SegmentFeature<D>& s, double distance,
                                   VisitSegment visit_segment, std::uint64_t* cost) const {
   const auto ignore = [](const auto&) {};
+  const GridSegment<D> segment(s, grid_);
+  const double reach = grid_.UnitsOf(distance) + 1;
   Visit(0, grid_.root(),
-        PointQuery{grid_.ToUnits(p), grid_.UnitsOf(distance) + 1, ignore, visit_segment, ignore,
-                   cost});
+        SegmentQuery{&segment, reach, reach, 3 * reach + 4, ignore, visit_segment, ignore, cost});
 }
 
 template <int D>
@@ -211,9 +218,9 @@ template void SpatialIndex<3>::QueryNear(const SegmentFeature<3>&, VisitPoint, V
                                          VisitFacet, std::uint64_t*) const;
 template void SpatialIndex<3>::QueryNear(const Facet&, VisitPoint, VisitSegment, VisitFacet,
                                          std::uint64_t*) const;
-template void SpatialIndex<2>::QueryWithin(const Point2&, double, VisitSegment,
+template void SpatialIndex<2>::QueryWithin(const SegmentFeature<2>&, double, VisitSegment,
                                            std::uint64_t*) const;
-template void SpatialIndex<3>::QueryWithin(const Point3&, double, VisitSegment,
+template void SpatialIndex<3>::QueryWithin(const SegmentFeature<3>&, double, VisitSegment,
                                            std::uint64_t*) const;
 template void SpatialIndex<3>::QueryWithin(const Facet&, double, VisitFacet, std::uint64_t*) const;
 

@@ -3,6 +3,8 @@
 #include <random>
 #include <set>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "client/verify/verify.h"
@@ -34,7 +36,27 @@ io::MeshFiles SomeOf(const io::IndexedMesh& whole, std::mt19937_64& random, unsi
   };
   take(whole.triangles, part.mesh.triangles);
   take(whole.tetrahedra, part.mesh.tetrahedra);
+  // The edges of these simplices, with their owners.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+  io::ForEachSimplex(part.mesh, [&](const auto& simplex) {
+    for (const std::uint32_t v : simplex) {
+      for (const std::uint32_t w : simplex) {
+        if (v < w) sides.emplace(v, w);
+      }
+    }
+  });
+  for (io::IndexedMesh::Edge edge : whole.edges) {
+    std::tie(edge.a, edge.b) = std::minmax(number[edge.a], number[edge.b]);
+    if (sides.contains({edge.a, edge.b})) part.mesh.edges.push_back(edge);
+  }
   return part;
+}
+
+// Of the checks, that of the input.
+VerifyCheck InputCheckOf(const io::MeshFiles& part, const std::vector<Feature>& features) {
+  const VerifyReport report =
+      VerifyMesh(part, kAnyQuality, &features, std::nullopt, MeshScope::kPart);
+  return *std::ranges::find(report.checks, std::string("input"), &VerifyCheck::name);
 }
 
 VerifyReport JudgeForeign(const io::MeshFiles& files) {
@@ -159,6 +181,75 @@ TEST(VerifyPart, OfTheInputThePointsAreChecked) {
   const auto failed =
       FailedChecks(VerifyMesh(good.files, kAnyQuality, &features, std::nullopt, MeshScope::kPart));
   EXPECT_TRUE(failed.contains("input"));
+}
+
+// Wherever the part ends: its edges of the input are good, and one without its marker is missed.
+TEST(VerifyPart, OfTheInputTheEdgesInThePartAreChecked) {
+  const std::uint64_t seed = NewSeed();
+  std::mt19937_64 random(seed);
+  int missed[2] = {0, 0};
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    SCOPED_TRACE(std::to_string(seed) + " " + std::to_string(i));
+    const bool in_space = i % 2 == 1;
+    const unsigned percent = i % 4 < 2 ? 100 : 40 + static_cast<unsigned>(random() % 60);
+    io::MeshFiles part;
+    std::vector<Feature> features;
+    if (in_space) {
+      const GoodFiles good = MakeGoodFiles(seed + i, 30);
+      part = SomeOf(good.files.mesh, random, percent);
+      features = good.features;
+    } else {
+      const auto good = testing::MakePolygonMesh(seed + i, 60);
+      part = SomeOf(good.files.mesh, random, percent);
+      features = good.features;
+    }
+    const VerifyCheck good = InputCheckOf(part, features);
+    EXPECT_EQ(good.failures, 0U) << good.examples.front();
+    for (io::IndexedMesh::Edge& edge : part.mesh.edges) {
+      if (edge.owner == kNoFeature || edge.owner == kBoxFeature) continue;
+      const FeatureId owner = std::exchange(edge.owner, kNoFeature);
+      const bool is_found = InputCheckOf(part, features).failures != 0;
+      // A whole edge of the input whose ends are not in the part is not looked for.
+      EXPECT_TRUE(is_found || percent < 100) << edge.a + 1 << "-" << edge.b + 1;
+      missed[in_space] += is_found ? 1 : 0;
+      edge.owner = owner;
+    }
+    // On an edge that is on no line of the input, or on that of another feature.
+    for (io::IndexedMesh::Edge& edge : part.mesh.edges) {
+      if (edge.owner == kBoxFeature) continue;
+      const FeatureId owner = std::exchange(edge.owner, FeatureId{77'777});
+      EXPECT_NE(InputCheckOf(part, features).failures, 0U);
+      edge.owner = owner;
+      if (random() % 8 == 0) break;
+    }
+  }
+  EXPECT_GT(missed[0], 100);
+  EXPECT_GT(missed[1], 30);
+}
+
+// A segment beside the part, that touches it, is none of its edges.
+TEST(VerifyPart, SegmentsOutsideOfThePartAreNotMissed) {
+  io::MeshFiles part = Triangles({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, {{0, 1, 2}, {0, 2, 3}});
+  std::vector<Feature> features;
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    auto& vertex = part.mesh.vertices[v];
+    vertex.containing_dimension = 0;
+    vertex.owner = v + 1;
+    features.push_back(Feature::Point(v + 1, vertex.x, vertex.y));
+  }
+  part.mesh.edges = {{0, 1, 11}, {0, 2, kNoFeature}, {0, 3, 14}, {1, 2, 12}, {2, 3, 13}};
+  for (FeatureId i = 1; i <= 4; ++i) features.push_back(Feature::Segment(10 + i, i, i % 4 + 1));
+  features.push_back(Feature::Point(5, -3, -1));
+  features.push_back(Feature::Segment(20, 1, 5));
+  EXPECT_EQ(InputCheckOf(part, features).failures, 0U);
+  // Into a triangle, and along an edge.
+  std::vector<Feature> into = features;
+  into[8].position = {3, 1, 0};
+  EXPECT_EQ(InputCheckOf(part, into).failures, 1U);
+  into[8].position = {2, 2, 0};
+  EXPECT_EQ(InputCheckOf(part, into).failures, 0U);  // its end is no vertex of the mesh
+  into[8].position = {5, 5, 0};
+  EXPECT_EQ(InputCheckOf(part, into).failures, 1U);
 }
 
 }  // namespace

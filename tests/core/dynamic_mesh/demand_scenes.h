@@ -2,6 +2,7 @@
 #ifndef DYNMESH_TESTS_CORE_DYNAMIC_MESH_DEMAND_SCENES_H_
 #define DYNMESH_TESTS_CORE_DYNAMIC_MESH_DEMAND_SCENES_H_
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -185,6 +186,46 @@ class Scenes {
       Polygon({{a, b, c, d}});
       half -= Log(0.0005, 0.02);
     }
+  }
+
+  // Two rows of points that are joined, nearly side by side; they part or meet, their points are
+  // opposite to each other or not.
+  void Seams() {
+    const double gap = Log(2e-5, 0.01), angle = Uniform(0, std::numbers::pi);
+    const double opening = Count(0, 1) * Log(1e-4, 0.05);
+    const bool shared_end = Count(0, 2) == 0;
+    const auto place = [&](double along, double across) {
+      return Point(0.5 + along * std::cos(angle) - across * std::sin(angle),
+                   0.5 + along * std::sin(angle) + across * std::cos(angle));
+    };
+    const auto row = [&](double from, double to, double across, FeatureId last) {
+      const int n = Count(1, 12);
+      for (int i = 0; i <= n; ++i) {
+        const double along = from + (to - from) * (i + (i % n == 0 ? 0 : Uniform(-0.3, 0.3))) / n;
+        const FeatureId next = place(along, across == 0 ? 0 : across + opening * (along + 0.3));
+        if (last != kNoFeature) Segment(last, next);
+        last = next;
+      }
+    };
+    const FeatureId start = shared_end ? place(-0.31, 0) : kNoFeature;
+    row(-0.3, Uniform(0, 0.3), 0, start);
+    row(-0.3 + Count(0, 1) * Uniform(0, 0.1), Uniform(0, 0.3), gap, start);
+  }
+
+  // A polygon with points next to each other on a line, beside a long edge.
+  void NearDoubles() {
+    const double gap = Log(1e-4, 0.01);
+    std::vector<FeatureId> ring = {Point(0.8, 0.5 - gap), Point(0.8, 0.5)};
+    for (int i = Count(0, 4); i > 0; --i) {
+      ring.push_back(Point(0.8 - gap * i * Uniform(0.2, 0.9), 0.5 + Count(0, 1) * gap * 0.1));
+    }
+    std::sort(ring.begin() + 1, ring.end(), [&](FeatureId a, FeatureId b) {
+      return features[a - 1].position[0] > features[b - 1].position[0];
+    });
+    ring.push_back(Point(Uniform(0.15, 0.5), 0.5));
+    ring.push_back(Point(0.14, Uniform(0.55, 0.7)));
+    ring.push_back(Point(Uniform(0.05, 0.13), 0.5 - gap));
+    Polygon({ring});
   }
 
   // Plates above each other, as large or smaller, shifted or not.

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -105,6 +107,48 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
   check("thin regions", 60, [](Scenes& s) { s.ThinRegions(2); });
   check("lines", 100, [](Scenes& s) { s.Lines(2); });
   check("squares", 60, [](Scenes& s) { s.NestedSquares(); });
+  check("seams", 120, [](Scenes& s) { s.Seams(); });
+  check("near doubles", 60, [](Scenes& s) { s.NearDoubles(); });
+}
+
+// The bound of lines is not far from the truth: meshing must not take gigabytes to find out.
+TEST(LeastVertices, OfNearLinesAreAQuarterOfTheTruth) {
+  for (const bool is_seam : {true, false}) {
+    const Sharpness found =
+        ExpectNeverTooHigh<2>(is_seam ? "seams" : "near doubles", {{kDefaultQuality2D}}, 40,
+                              [&](Scenes& s) { is_seam ? s.Seams() : s.NearDoubles(); });
+    ASSERT_GT(found.told, 5);
+    EXPECT_LT(std::exp(found.sum / found.told), 8);
+  }
+}
+
+// SVR validates by the same bound.
+TEST(LeastVertices, AreNeverMoreThanSvrMakes) {
+  int told = 0;
+  for (std::uint64_t round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    Scenes scenes(kSeed + 7919 * round);
+    switch (round % 3) {
+      case 0:
+        scenes.Lines(2);
+        break;
+      case 1:
+        scenes.Seams();
+        break;
+      default:
+        scenes.NearDoubles();
+    }
+    MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+    if (!CheckWith<2>(scenes.features, options, std::uint64_t{1} << 50).ok()) continue;
+    options.limits.max_vertices = 200'000;
+    BuildOptions build;
+    build.engine = BuildEngine::kSvr;
+    const auto mesh = BuildMesh(scenes.features, options, build);
+    if (!mesh.ok()) continue;
+    EXPECT_TRUE(CheckWith<2>(scenes.features, options, mesh->vertices.size()).ok());
+    told += LeastOf<2>(scenes.features, options) != 0 ? 1 : 0;
+  }
+  EXPECT_GT(told, 10);
 }
 
 TEST(LeastVertices, AreNeverMoreThanThereAreAtSharpAngles) {
@@ -237,6 +281,89 @@ TEST(LeastVertices, LinesTooNearEachOtherAreRefusedByName) {
                          {13, 3});
     }
   }
+}
+
+std::vector<Feature> Ring(FeatureId first, const std::vector<std::array<double, 2>>& corners) {
+  std::vector<Feature> features;
+  std::vector<FeatureId> ring;
+  for (const auto& [x, y] : corners) {
+    ring.push_back(first + ring.size());
+    features.push_back(Feature::Point(ring.back(), x, y));
+  }
+  features.push_back(Feature::Polygon(first + ring.size(), {ring}));
+  return features;
+}
+
+// Few points, and a mesh that does not fit into gigabytes: so it is refused before it is begun.
+TEST(LeastVertices, NearParallelEdgesAndNearDoublesAreRefused) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  options.box = {{-10, -10, 0}, {12, 10, 0}};
+  options.limits.max_vertices = 5'000'000;
+  // Collinear points 4e-7 and 1.2e-6 apart, over a long edge.
+  const std::vector<Feature> doubles = Ring(
+      1, {{4e-7, -4e-7}, {4e-7, 0}, {0, 0}, {-1.2e-6, 0}, {-8.66, 0}, {-8.66, 1.34}, {-10, -4e-7}});
+  // Two edges that are near over a part of their lengths, the nearest place far from the middles.
+  std::vector<Feature> edges = {Feature::Point(1, 0, 0),      Feature::Point(2, 10, 0),
+                                Feature::Segment(3, 1, 2),    Feature::Point(4, 9, 5e-8),
+                                Feature::Point(5, 12, 1),     Feature::Segment(6, 4, 5),
+                                Feature::Point(7, 8.4, 5e-8), Feature::Segment(8, 4, 7)};
+  // Many short edges beside one long edge: none alone is the reason.
+  std::vector<Feature> row = {Feature::Point(1, 0, 0), Feature::Point(2, 10, 0),
+                              Feature::Segment(3, 1, 2)};
+  for (FeatureId i = 0; i <= 50; ++i) {
+    row.push_back(Feature::Point(10 + i, 1 + 0.1 * static_cast<double>(i), 2e-7));
+    if (i > 0) row.push_back(Feature::Segment(100 + i, 9 + i, 10 + i));
+  }
+  for (const std::vector<Feature>& features : {doubles, edges, row}) {
+    const absl::Status status = (*DynamicMesh::Create(options))->Validate(AddAll(features));
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    if (status.ok()) continue;
+    EXPECT_EQ(GetErrorDetail(status)->reason, reason::kVertexLimit);
+    EXPECT_EQ(GetErrorDetail(status)->features.size(), 2U);
+  }
+}
+
+// A limit that the bound does not reach is found on the way: the error says where it is finest.
+TEST(LeastVertices, TheErrorOfALimitNamesTheFinestPlace) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  std::vector<Feature> features = Line(1, 0.5, 0.1, 0.9);
+  for (const Feature& f : Line(11, 0.5 + 1e-4, 0.3, 0.7)) features.push_back(f);
+  for (const Feature& f : Line(21, 0.8, 0.1, 0.9)) features.push_back(f);
+  const auto whole = BuildMesh(features, options);
+  ASSERT_TRUE(whole.ok());
+  const auto expect_named = [](const absl::Status& status, const char* reason) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    const auto detail = GetErrorDetail(status);
+    ASSERT_TRUE(detail.has_value());
+    EXPECT_EQ(detail->reason, reason);
+    EXPECT_EQ(std::set<FeatureId>(detail->features.begin(), detail->features.end()),
+              (std::set<FeatureId>{3, 13}))
+        << status;
+    EXPECT_NE(std::string(status.message()).find("are 0.0001 apart"), std::string::npos) << status;
+  };
+  options.limits.max_vertices = whole->vertices.size() - 1;
+  expect_named(BuildMesh(features, options).status(), reason::kVertexLimit);
+  BuildOptions build;
+  build.max_operations = 1000;
+  expect_named(BuildMesh(features, options, build).status(), reason::kWorkLimit);
+  // In a mesh, with the other line present: nothing changes.
+  for (const bool in_parts : {true, false}) {
+    const auto mesh = *DynamicMesh::Create(options);
+    EditBatch first = AddAll(Line(21, 0.8, 0.1, 0.9)), second = AddAll(Line(11, 0.5001, 0.3, 0.7));
+    EditBatch& with = in_parts ? first : second;
+    for (const Edit& edit : AddAll(Line(1, 0.5, 0.1, 0.9))) with.push_back(edit);
+    ASSERT_TRUE(mesh->Apply(first).ok());
+    const MeshHash hash = mesh->hash();
+    expect_named(mesh->Apply(second).status(), reason::kVertexLimit);
+    EXPECT_EQ(mesh->hash(), hash);
+    EXPECT_TRUE(mesh->Audit().problems.empty());
+  }
+  // Of a mesh that is large for another reason, no place is named.
+  options = OptionsIn(2, kDefaultQuality2D);
+  options.max_edge = 0.02;
+  options.limits.max_vertices = 5000;
+  const absl::Status other = BuildMesh(Line(1, 0.5, 0.1, 0.9), options).status();
+  EXPECT_TRUE(other.ok() || GetErrorDetail(other)->features.empty()) << other;
 }
 
 TEST(LeastVertices, AMovedPointMayBringLinesTogether) {

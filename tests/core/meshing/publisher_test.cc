@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -136,6 +137,28 @@ TEST_F(PublisherTest, ASubsegmentIsVisibleFromItsExposureToItsEarliestDeath) {
   Withdraw(Made::kExposure, s, 2);
   EXPECT_FALSE(IsSeen(s, 5));
   EXPECT_LT(late, early);
+}
+
+// A row of subsegments along a border of cells, with no point on the other side: a leaf as large as
+// half of the domain has their balls. Each search there would look at the whole row.
+TEST_F(PublisherTest, SubsegmentsBesideAnEmptyCellAreNotKeptInOnePlace) {
+  const int n = 4096;
+  std::vector<VertexIndex> row;
+  for (int i = 0; i <= n; ++i) row.push_back(lone_.Add({{i / double{n}, 0.5}}));
+  for (int i = 0; i < n; ++i) lone_.AddSubsegment(row[i], row[i + 1]);
+  std::size_t most = 0;
+  for (sac::Place place = 0; place < complex_.exposures.places(); ++place) {
+    most = std::max(most, complex_.exposures.at(place).size());
+  }
+  EXPECT_LE(most, 64U);
+  // Each is found at its middle and beside it, on both sides.
+  EncroachmentSearch<2, test::RecordingEngine> search(complex_);
+  for (int i = 0; i < n; i += 7) {
+    for (const double beside : {-0.3, 0.0, 0.3}) {
+      const Point2 x = {{(i + 0.5) / n, 0.5 + beside / n}};
+      EXPECT_EQ(search.EncroachedBy(lone_.At(3), x).size(), 1U) << i;
+    }
+  }
 }
 
 // A Complete made a vertex in the ball before the subsegment was visible; another yielded.

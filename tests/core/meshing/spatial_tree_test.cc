@@ -407,5 +407,41 @@ TEST(Extent, HoldsTheBallsAddedWithTheirBorders) {
   EXPECT_FALSE(box.Contains({{-1, 1.4}}));
 }
 
+// A leaf without points is split for the boxes that it is to keep, if there are many.
+TEST(SpatialTree, ACrowdedLeafIsSplitForABoxToKeep) {
+  using geometry::Point2;
+  SpatialTree<2> tree({{0, 0}}, {{1, 1}});
+  tree.Insert(1, {{0.75, 0.75}});
+  const Extent<2> box{{0.3, 0.3}, {0.31, 0.31}};
+  std::vector<std::uint32_t> kept;
+  const auto keep = [&](bool is_crowded) {
+    kept.clear();
+    tree.CoverToKeep(
+        box, [&](std::uint32_t) { return is_crowded; },
+        [&](std::uint32_t node, std::uint32_t) { kept.push_back(node); });
+  };
+  keep(false);
+  EXPECT_EQ(kept, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(tree.node_count(), 1U);
+  keep(true);
+  EXPECT_LE(kept.size(), 4U);
+  EXPECT_GT(tree.node_count(), 16U);
+  // Down to cells as small as the box; what is in the box has one of them on its path.
+  for (const double x : {0.3, 0.305, 0.31}) {
+    std::vector<std::uint32_t> path;
+    tree.VisitPath({{x, 0.304}}, [&](std::uint32_t node, std::uint32_t) { path.push_back(node); });
+    EXPECT_EQ(std::ranges::count_if(
+                  path, [&](std::uint32_t n) { return std::ranges::count(kept, n) != 0; }),
+              1);
+  }
+  double r2 = 1;
+  int found = 0;
+  tree.VisitBall({{0.5, 0.5}}, r2, [&](std::uint32_t, const Point2&, double) { ++found; });
+  EXPECT_EQ(found, 1);
+  const std::size_t nodes = tree.node_count();
+  keep(true);
+  EXPECT_EQ(tree.node_count(), nodes);
+}
+
 }  // namespace
 }  // namespace dynmesh::meshing

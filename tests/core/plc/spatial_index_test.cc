@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "core/geometry/segment_distance.h"
 #include "core/plc/rules.h"
 #include "tests/core/plc/plc_test_util.h"
 
@@ -105,6 +106,21 @@ class Both {
     return Compare(Conflicts(f), Answer(f, &cost));
   }
 
+  // The same for the segments nearer than a distance.
+  int AskWithin(Point2 p, Point2 q, double distance) const {
+    std::set<FeatureId> wanted, got;
+    for (const auto& s : segments_) {
+      if (geometry::SquaredDistance(p, q, s.f.p, s.f.q) < distance * distance) {
+        wanted.insert(s.f.id);
+      }
+    }
+    std::uint64_t cost = 0;
+    index_.QueryWithin(
+        SegmentFeature<2>{kAsker, kAsker - 1, kAsker - 2, p, q}, distance,
+        [&](const SegmentFeature<2>& s) { got.insert(s.id); }, &cost);
+    return Compare(wanted, got);
+  }
+
   const SpatialIndex<2>& index() const { return index_; }
   std::size_t size() const { return points_.size() + segments_.size(); }
   // A place on or near a feature, or anywhere.
@@ -156,6 +172,9 @@ void AskMuch(const Both& both, std::mt19937_64& random, int times) {
     hits += both.Ask(p, {{std::min(p[0] + step, 1.0), std::max(p[1] - step / 3, 0.0)}});
     hits += both.Ask(p, {{p[0], q[1]}});
     hits += both.Ask(p, {{q[0], p[1]}});
+    const double distance = std::ldexp(1.0, -static_cast<int>(random() % 40));
+    hits += both.AskWithin(p, q, distance);
+    hits += both.AskWithin(p, {{std::min(p[0] + step, 1.0), std::max(p[1] - step, 0.0)}}, distance);
     if (testing::Test::HasFailure()) FAIL() << "try " << i;
   }
   if (both.size() > 0) {
