@@ -106,6 +106,9 @@ Answer Session::Guarded(const std::function<pqxx::result(pqxx::nontransaction&)>
     answer.rows = statement(work);
   } catch (...) {
     Failure failure = Caught();
+    // The last words of a server that closed the connection; the library says only that it is so.
+    const std::string heard = listener_->Take();
+    if (failure.unknown && !heard.empty()) failure = ConnectionLost(heard);
     answer.status = std::move(failure.status);
     answer.unknown = failure.unknown;
     usable_ = false;

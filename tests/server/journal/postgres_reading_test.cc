@@ -98,6 +98,17 @@ TEST_F(PostgresReadingTest, AReaderThatStopsLosesItsTransactionAndKeepsNoRow) {
   EXPECT_EQ(Read(/*past=*/false, [](const Entry&) {}), "1:e1 2:e2 3:e3 ");
 }
 
+// It says why when it ends a connection on which nothing is under way.
+TEST_F(PostgresReadingTest, TheLastWordsOfTheDatabaseAreHandedOn) {
+  Make({});
+  const std::string read = Read(/*past=*/false, [this](const Entry& entry) {
+    if (entry.revision != 1) return;
+    Sql("SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity WHERE datname = "
+        "current_database() AND state LIKE 'idle in transaction%'");
+  });
+  EXPECT_TRUE(absl::StrContains(read, "administrator command")) << read;
+}
+
 TEST_F(PostgresReadingTest, WhatEndedAReadingIsSaidAndNoDiskIsBlamed) {
   const absl::Status idle =
       postgres::ConnectionLost("FATAL:  terminating connection due to idle-in-transaction timeout")
