@@ -120,6 +120,15 @@ Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer
   return caller;
 }
 
+// What the creation of a mesh is remembered by. Two clients may use the same request_id, and one
+// client may use one with and without a name. The journal keeps it. Ids of before, which are
+// request_ids alone, do not begin so.
+std::string CreationId(const Pass& pass, const v1::CreateMeshRequest& request) {
+  if (request.request_id().empty()) return "";
+  return absl::StrCat("\x1f", request.mesh_id().empty() ? "fresh" : "named", " ", pass.name(),
+                      "\x1f", request.request_id());
+}
+
 // Ends a streaming call before anything was sent.
 template <typename Response>
 class FailedCall final : public grpc::ServerWriteReactor<Response> {
@@ -283,10 +292,10 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   // Request and response live until the call is finished.
   context_.writers->Post(
       [this, reactor, call, request, response, options = *options, held = *ticket,
-       asking = AskingOf(*call),
+       asking = AskingOf(*call), id = CreationId(*pass, *request),
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
-        const auto host = context_.registry->Create(
-            request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
+        const auto host = context_.registry->Create(request->mesh_id(), options, id,
+                                                    reactor->cancelled(), origin);
         const auto answer = [this, reactor, call, request,
                              response](const absl::StatusOr<MeshRegistry::HostPtr>& made) {
           if (made.ok()) EncodeMesh(**made, response);
@@ -294,7 +303,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
                          [reactor](const grpc::Status& end) { reactor->Finish(end); });
         };
         held.reset();
-        context_.registry->FindMade(host, options, request->request_id(), asking, answer);
+        context_.registry->FindMade(host, options, id, asking, answer);
       });
   return reactor;
 }
