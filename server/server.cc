@@ -44,6 +44,14 @@ constexpr absl::Duration kCallGrace = absl::Seconds(5);
 // For clients to read the GOAWAY and to close their connections themselves. A client without a call
 // often notices only at its next call.
 constexpr std::chrono::milliseconds kConnectionGrace{50};
+// For clients to notice the drain by a refusal, which says so: calls on a connection that is being
+// closed get no reason. Ends when none has come for a while.
+constexpr absl::Duration kRefusalGrace = absl::Seconds(1);
+constexpr absl::Duration kQuiet = absl::Milliseconds(50);
+
+// 500 calls of the smallest size. A larger read would save loads little: a message of 4 MB is 256 of
+// these, some microseconds each.
+constexpr int kReadBytes = 16 << 10;
 
 int Threads(int configured) {
   if (configured > 0) return configured;
@@ -137,7 +145,10 @@ struct Server::Impl {
         calls(metrics.registry),
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now(),
                 &builds),
-        service(&context, std::move(neighbours)) {}
+        service(&context, std::move(neighbours)) {
+    calls.failed().NameHolders(
+        [this](const std::string& limit) { return HoldersOf(context, limit); });
+  }
 
   // A Listen that fails has opened the port already.
   ~Impl() {
@@ -391,7 +402,8 @@ bool Server::Drain(absl::Duration limit) {
   impl_->not_ready = "draining";
   impl_->SetHealth(false);
   // Calls are answered meanwhile, with the next owner when it has the mesh.
-  if (limit > absl::ZeroDuration()) {
+  const bool waits = limit > absl::ZeroDuration();
+  if (waits) {
     impl_->registry.HandOver(limit);
     limit = std::max(absl::ZeroDuration(), limit - (absl::Now() - start));
   }
@@ -400,7 +412,9 @@ bool Server::Drain(absl::Duration limit) {
   const bool done = impl_->context.gate.WaitEmpty(limit);
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   // Edits of calls that are still open are cancelled and undone. The other calls are being ended.
-  if (done) impl_->calls.open().WaitEmpty(kCallGrace);
+  if (!done) impl_->service.EndEdits();
+  if (done || waits) impl_->calls.open().WaitEmpty(kCallGrace);
+  if (done && waits) impl_->calls.WaitQuiet(kQuiet, kRefusalGrace);
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();

@@ -415,20 +415,17 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* MeshServiceImpl::EditStream(
@@ -458,8 +455,7 @@ grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>*

@@ -1,9 +1,12 @@
 #include "server/metrics/call_observer.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +21,7 @@ using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::InterceptorBatchMethods;
 
 constexpr double kLongestCall = 1e5;  // seconds: watches last for hours
+constexpr std::chrono::milliseconds kLateCheck{5};
 constexpr std::size_t kCodes = 17;
 constexpr std::array<const char*, kCodes> kCodeNames = {
     "OK",       "Canceled",       "Unknown",          "InvalidArgument",   "DeadlineExceeded",
@@ -110,6 +114,8 @@ struct CallMetrics::Impl {
   FailedCalls failed;
   WorkGate open;
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
+  WorkGate late;  // calls that came after it was closed
+  std::atomic<MetricsClock::rep> last_late{0};
   std::unique_ptr<Method> other;
 };
 
@@ -143,12 +149,33 @@ namespace {
 // Observes one call. A stream's reads and writes are concurrent; all else is sequential.
 class CallObserver final : public grpc::experimental::Interceptor {
  public:
+WorkGate::Ticket CallMetrics::Enter() const {
+  WorkGate::Ticket ticket = impl_->open.Enter();
+  if (ticket != nullptr) return ticket;
+  impl_->last_late = MetricsClock::now().time_since_epoch().count();
+  return impl_->late.Enter();
+}
+
+bool CallMetrics::WaitQuiet(absl::Duration quiet, absl::Duration limit) const {
+  const auto end = MetricsClock::now() + absl::ToChronoNanoseconds(limit);
+  const auto start = MetricsClock::now();
+  const auto pause = absl::ToChronoNanoseconds(quiet);
+  while (true) {
+    const MetricsClock::time_point last(MetricsClock::duration(impl_->last_late.load()));
+    const auto quiet_at = std::max(start, last) + pause;
+    const auto now = MetricsClock::now();
+    if (now >= quiet_at && impl_->late.WaitEmpty(absl::ZeroDuration())) return true;
+    if (now >= end) return false;
+    std::this_thread::sleep_until(std::min(end, std::max(quiet_at, now + kLateCheck)));
+  }
+}
+
   CallObserver(const CallMetrics& metrics, CallMetrics::Method& method,
                grpc::ServerContextBase* context)
       : method_(method),
         failed_(metrics.failed()),
         context_(context),
-        open_(method.is_ours ? metrics.open().Enter() : nullptr),
+        open_(method.is_ours ? metrics.Enter() : nullptr),
         start_(MetricsClock::now()) {
     method_.started.Add();
   }
