@@ -150,12 +150,25 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
                           "revisions a watcher may lag before coalescing");
 }
 
-void AddClientLimits(CLI::App& app, ServerConfig& c) {
-  AddNumber<double>(app, "max-requests-per-second", 0, 1e9,
-                    "requests and batches of one client; 0: any number",
-                    [&c](double rate) { c.max_requests_per_second = rate; })
-      ->default_str(absl::StrCat(c.max_requests_per_second))
+void AddRate(CLI::App& app, const char* key, double& rate, const char* help) {
+  AddNumber<double>(app, key, 0, 1e9, help, [&rate](double given) { rate = given; })
+      ->default_str(absl::StrCat(rate))
       ->type_name("FLOAT");
+}
+
+void AddAddressLimits(CLI::App& app, ServerConfig& c) {
+  AddCount<std::uint64_t>(app, "max-connections-per-address", c.max_connections_per_address, 0,
+                          "connections open of one address; 0: half of max-connections");
+  AddRate(app, "max-new-connections-per-second", c.max_new_connections_per_second,
+          "connections of one address without an answered call; further ones wait; 0: any number");
+  AddRate(app, "max-wasted-calls-per-second", c.max_wasted_calls_per_second,
+          "calls of one address that are refused for their token or cancelled at once; then their "
+          "connections are cut; 0: any number");
+}
+
+void AddClientLimits(CLI::App& app, ServerConfig& c) {
+  AddRate(app, "max-requests-per-second", c.max_requests_per_second,
+          "requests and batches of one client; 0: any number");
   AddCount<std::uint64_t>(app, "max-streams-per-client", c.max_streams_per_client, 0,
                           "watches, edit streams, loads, builds and snapshots open of one client, "
                           "a token or an address; 0: any number");
@@ -163,6 +176,7 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
                           "resident bytes above which nothing grows; 0: nine tenths of "
                           "the available memory");
   AddCount<std::uint64_t>(app, "max-connections", c.max_connections, 1, "connections open");
+  AddAddressLimits(app, c);
   AddCount(app, "max-streams-per-connection", c.max_streams_per_connection, 1,
            "calls open on one connection");
   AddTime(app, "handshake-timeout", c.handshake_timeout, absl::Milliseconds(100),

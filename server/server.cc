@@ -65,6 +65,17 @@ int WriterThreads(int configured, bool journal) {
   return std::max(kLeastWithJournal, 2 * Threads(configured));
 }
 
+Acceptor::Limits ConnectionLimits(const ServerConfig& config) {
+  Acceptor::Limits limits;
+  limits.connections = config.max_connections;
+  const std::uint64_t half = std::max<std::uint64_t>(1, config.max_connections / 2);
+  const std::uint64_t own = config.max_connections_per_address;
+  limits.of_address = {own != 0 ? own : half, config.max_new_connections_per_second,
+                       config.max_wasted_calls_per_second,
+                       absl::ToChronoNanoseconds(config.handshake_timeout)};
+  return limits;
+}
+
 int Milliseconds(absl::Duration d) { return static_cast<int>(absl::ToInt64Milliseconds(d)); }
 
 void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) {
@@ -81,6 +92,9 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));
   set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, Milliseconds(config.idle_timeout));
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
+  // What is read of a connection before its calls are handled. All that a read brings is queued, and
+  // calls that are for nothing are counted only when they are handled.
+  set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kReadBytes);
 }
 
 // For calls that are handed on; null: none is. The files are read once.
@@ -152,7 +166,7 @@ struct Server::Impl {
 
   // A Listen that fails has opened the port already.
   ~Impl() {
-    acceptor.reset();
+    if (acceptor != nullptr) acceptor->Stop();
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
   }
 
@@ -165,9 +179,13 @@ struct Server::Impl {
     if (absl::StartsWith(config.listen, "unix:")) {
       builder.AddListeningPort(config.listen, credentials, &port);
     } else {
-      auto listening = Acceptor::Listen(config.listen, config.max_connections);
+      auto listening = Acceptor::Listen(config.listen, ConnectionLimits(config));
       if (!listening.ok()) return listening.status();
       acceptor = *std::move(listening);
+      listener = acceptor.get();
+      calls.Judge({[this] { return acceptor->WantsAnswered(); },
+                   [this](absl::string_view peer) { acceptor->Answered(peer); },
+                   [this](absl::string_view peer) { acceptor->Wasted(peer); }});
       port = acceptor->port();
       using External = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
       sink = builder.experimental().AddExternalConnectionAcceptor(External::FROM_FD, credentials);
@@ -286,6 +304,9 @@ struct Server::Impl {
       }
       WriteLimits(memory, config.tls, out);
       WriteStreams(context.client_streams, out);
+      if (Acceptor* const now = listener; now != nullptr) {
+        WriteConnections(now->counts(), out);
+      }
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();
@@ -324,8 +345,9 @@ struct Server::Impl {
   UnknownMethods unknown;
   std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
   std::shared_ptr<TlsCredentials> tls;                   // the same, if it is TLS
+  std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens; calls use it until they end
+  std::atomic<Acceptor*> listener{nullptr};  // the same, for all threads
   std::unique_ptr<grpc::Server> server;
-  std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens
   int port = 0;
   std::unique_ptr<Ticker> ticker;
   std::mutex drain_mutex;
@@ -392,6 +414,10 @@ std::string Server::address() const { return impl_->Address(); }
 void Server::Reload() { impl_->access->Reload(); }
 
 MeshRegistry& Server::registry() { return impl_->registry; }
+
+ConnectionTable::Counts Server::connections() const {
+  return impl_->acceptor == nullptr ? ConnectionTable::Counts() : impl_->acceptor->counts();
+}
 
 bool Server::Drain(absl::Duration limit) {
   const std::lock_guard lock(impl_->drain_mutex);

@@ -112,10 +112,11 @@ struct CallMetrics::Impl {
 
   Families families;
   FailedCalls failed;
+  CallJudge judge;
   WorkGate open;
-  std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   WorkGate late;  // calls that came after it was closed
   std::atomic<MetricsClock::rep> last_late{0};
+  std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   std::unique_ptr<Method> other;
 };
 
@@ -142,13 +143,12 @@ CallMetrics::Method& CallMetrics::Find(const char* path) const {
 
 FailedCalls& CallMetrics::failed() const { return impl_->failed; }
 
+void CallMetrics::Judge(CallJudge judge) { impl_->judge = std::move(judge); }
+
+const CallJudge& CallMetrics::judge() const { return impl_->judge; }
+
 WorkGate& CallMetrics::open() const { return impl_->open; }
 
-namespace {
-
-// Observes one call. A stream's reads and writes are concurrent; all else is sequential.
-class CallObserver final : public grpc::experimental::Interceptor {
- public:
 WorkGate::Ticket CallMetrics::Enter() const {
   WorkGate::Ticket ticket = impl_->open.Enter();
   if (ticket != nullptr) return ticket;
@@ -170,10 +170,16 @@ bool CallMetrics::WaitQuiet(absl::Duration quiet, absl::Duration limit) const {
   }
 }
 
+namespace {
+
+// Observes one call. A stream's reads and writes are concurrent; all else is sequential.
+class CallObserver final : public grpc::experimental::Interceptor {
+ public:
   CallObserver(const CallMetrics& metrics, CallMetrics::Method& method,
                grpc::ServerContextBase* context)
       : method_(method),
         failed_(metrics.failed()),
+        judge_(metrics.judge()),
         context_(context),
         open_(method.is_ours ? metrics.Enter() : nullptr),
         start_(MetricsClock::now()) {
@@ -193,19 +199,57 @@ bool CallMetrics::WaitQuiet(absl::Duration quiet, absl::Duration limit) const {
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
       step->GetSendInitialMetadata()->emplace(kCallIdKey, id_);
     }
+    const bool ends = step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS);
+    if (!ends &&
+        step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      TellAnswered();
+    }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
       method_.sent.Add();
       // Serialises the message here; gRPC does not do so again.
       method_.sent_bytes.Add(step->GetSerializedSendMessage()->Length());
     }
-    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
+    if (ends) {
       const grpc::Status status = step->GetSendStatus();
       End(status, status.ok() || context_ == nullptr ? "" : context_->peer());
+      JudgeStatus(status.error_code());
     }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE)) JudgeClose();
     step->Proceed();
   }
 
  private:
+  // A client that cancels after less did not wait for an answer.
+  static constexpr double kAtOnce = 0.1;  // seconds
+
+  void TellAnswered() {
+    if (!method_.is_ours || context_ == nullptr || judge_.answered == nullptr) return;
+    if (judge_.wants_answered() && !told_answered_.exchange(true)) {
+      judge_.answered(context_->peer());
+    }
+  }
+  void TellWasted() {
+    if (context_ == nullptr || judge_.wasted == nullptr || told_wasted_.exchange(true)) return;
+    judge_.wasted(context_->peer());
+  }
+  void JudgeStatus(grpc::StatusCode code) {
+    if (!method_.is_ours || code == grpc::StatusCode::UNAUTHENTICATED) return TellWasted();
+    switch (code) {
+      case grpc::StatusCode::CANCELLED:
+      case grpc::StatusCode::UNKNOWN:
+      case grpc::StatusCode::INVALID_ARGUMENT:
+      case grpc::StatusCode::RESOURCE_EXHAUSTED:
+        return;
+      default:
+        return TellAnswered();
+    }
+  }
+  // Of other services not: asking a synchronous call would wait.
+  void JudgeClose() {
+    if (!method_.is_ours || context_ == nullptr || judge_.wasted == nullptr) return;
+    if (context_->IsCancelled() && SecondsSince(start_) < kAtOnce) TellWasted();
+  }
+
   using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
 
   // The id replaces the client's in the metadata, from which the handler of the call reads it.
@@ -229,11 +273,14 @@ bool CallMetrics::WaitQuiet(absl::Duration quiet, absl::Duration limit) const {
 
   CallMetrics::Method& method_;
   FailedCalls& failed_;
+  const CallJudge& judge_;
   const grpc::ServerContextBase* const context_;  // ends before the observer does
   const WorkGate::Ticket open_;
   const MetricsClock::time_point start_;
   std::string id_;
   std::atomic<bool> ended_{false};
+  std::atomic<bool> told_answered_{false};
+  std::atomic<bool> told_wasted_{false};
 };
 
 class CallObservers final : public grpc::experimental::ServerInterceptorFactoryInterface {
