@@ -213,6 +213,21 @@ void WriteStreams(const ClientQuotas& streams, MetricsText& out) {
              "How many one client may have; 0: any number.", static_cast<double>(streams.limit()));
 }
 
+void WriteConnections(const ConnectionTable::Counts& counts, MetricsText& out) {
+  out.Single("dynmesh_connections", "gauge", "Connections open.", static_cast<double>(counts.open));
+  out.Single("dynmesh_connections_waiting", "gauge",
+             "New connections that wait, as their address has too many.",
+             static_cast<double>(counts.waiting));
+  out.Single("dynmesh_connections_refused_total", "counter",
+             "Connections closed at once, as their address has as many as it may have.",
+             static_cast<double>(counts.refused));
+  out.Single("dynmesh_connections_cut_total", "counter",
+             "Connections cut for calls without a known token, or cancelled at once.",
+             static_cast<double>(counts.cut));
+  out.Single("dynmesh_wasted_calls_total", "counter", "Such calls.",
+             static_cast<double>(counts.wasted));
+}
+
 void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));

@@ -5,6 +5,7 @@
 
 #include "absl/time/time.h"
 #include "server/access/client_quotas.h"
+#include "server/access/connection_table.h"
 #include "server/access/tls.h"
 #include "server/base/memory_guard.h"
 #include "server/cluster/lease_keeper.h"
@@ -23,6 +24,8 @@ void WriteNode(const MeshRegistry& meshes, const LeaseKeeper& keeper, absl::Dura
 void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& out);
 // The number of clients' open streams, and its limit.
 void WriteStreams(const ClientQuotas& streams, MetricsText& out);
+// Connections, and what their addresses' limits did.
+void WriteConnections(const ConnectionTable::Counts& counts, MetricsText& out);
 // Figures from /proc, and the version of dynmeshd.
 void WriteProcess(MetricsText& out);
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "absl/time/time.h"
 #include "server/base/log.h"
 
 namespace dynmesh::server {
@@ -21,7 +23,7 @@ namespace {
 
 // Upper bound of counts: more than any machine holds.
 constexpr std::uint64_t kMost = 1'000'000'000'000'000;
-constexpr double kDay = 86400;
+constexpr absl::Duration kDay = absl::Hours(24);
 constexpr int kMostThreads = 1024;
 
 // A value that its option does not accept.
@@ -69,13 +71,35 @@ void AddCount(CLI::App& app, const char* key, T& target, T least, const char* he
       ->type_name("UINT");
 }
 
-// A duration in seconds, from `least` to one day.
-void AddSeconds(CLI::App& app, const char* key, absl::Duration& target, double least,
-                const char* help) {
-  AddNumber<double>(app, key, least, kDay, help,
-                    [&target](double seconds) { target = absl::Seconds(seconds); })
-      ->default_str(absl::StrCat(absl::ToDoubleSeconds(target)))
-      ->type_name("FLOAT");
+// A time: bare seconds, or numbers with units, as 8s, 500ms, 1h30m. Nothing if it is neither.
+std::optional<absl::Duration> ParseTime(const std::string& text) {
+  double seconds = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, seconds);
+  if (error == std::errc() && rest == end) return absl::Seconds(seconds);
+  absl::Duration time;
+  if (absl::ParseDuration(text, &time)) return time;
+  return std::nullopt;
+}
+
+// A time from `least` to one day. The library's text of `target` is the default that is shown.
+void AddTime(CLI::App& app, const std::string& key, absl::Duration& target, absl::Duration least,
+             const char* help) {
+  app.add_option_function<std::string>(
+         absl::StrCat("--", key),
+         [=, &target](const std::string& text) {
+           const std::optional<absl::Duration> time = ParseTime(text);
+           if (!time.has_value() || *time < least || *time > kDay) {
+             throw BadValue(key, text,
+                            absl::StrCat("is not a time from ", absl::FormatDuration(least), " to ",
+                                         absl::FormatDuration(kDay),
+                                         ": give seconds, or a unit, as 8s, 500ms or 10m"));
+           }
+           target = *time;
+         },
+         help)
+      ->default_str(absl::FormatDuration(target))
+      ->type_name("TIME");
 }
 
 void AddMebibytes(CLI::App& app, const char* key, std::uint64_t& bytes, const char* help) {
@@ -116,8 +140,8 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
                           "builds open, each on a thread of its own; 0: none", kMostThreads);
   AddCount<std::uint64_t>(app, "max-build-vertices", c.max_build_vertices, 0,
                           "vertices of the mesh of one build; 0: as max-vertices");
-  AddSeconds(app, "max-build-seconds", c.max_build_time, 0,
-             "seconds that one build may compute; 0: any number");
+  AddTime(app, "max-build-seconds", c.max_build_time, absl::ZeroDuration(),
+          "time that one build may compute; 0: any");
   AddCount<std::uint64_t>(app, "max-waiting-edits", c.max_waiting_edits, 1,
                           "batches that wait for one mesh");
   AddCount<std::uint64_t>(app, "history-revisions", c.history_revisions, 1, "diffs kept of a mesh");
@@ -126,12 +150,25 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
                           "revisions a watcher may lag before coalescing");
 }
 
-void AddClientLimits(CLI::App& app, ServerConfig& c) {
-  AddNumber<double>(app, "max-requests-per-second", 0, 1e9,
-                    "requests and batches of one client; 0: any number",
-                    [&c](double rate) { c.max_requests_per_second = rate; })
-      ->default_str(absl::StrCat(c.max_requests_per_second))
+void AddRate(CLI::App& app, const char* key, double& rate, const char* help) {
+  AddNumber<double>(app, key, 0, 1e9, help, [&rate](double given) { rate = given; })
+      ->default_str(absl::StrCat(rate))
       ->type_name("FLOAT");
+}
+
+void AddAddressLimits(CLI::App& app, ServerConfig& c) {
+  AddCount<std::uint64_t>(app, "max-connections-per-address", c.max_connections_per_address, 0,
+                          "connections open of one address; 0: half of max-connections");
+  AddRate(app, "max-new-connections-per-second", c.max_new_connections_per_second,
+          "connections of one address without an answered call; further ones wait; 0: any number");
+  AddRate(app, "max-wasted-calls-per-second", c.max_wasted_calls_per_second,
+          "calls of one address that are refused for their token or cancelled at once; then their "
+          "connections are cut; 0: any number");
+}
+
+void AddClientLimits(CLI::App& app, ServerConfig& c) {
+  AddRate(app, "max-requests-per-second", c.max_requests_per_second,
+          "requests and batches of one client; 0: any number");
   AddCount<std::uint64_t>(app, "max-streams-per-client", c.max_streams_per_client, 0,
                           "watches, edit streams, loads, builds and snapshots open of one client, "
                           "a token or an address; 0: any number");
@@ -139,19 +176,21 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
                           "resident bytes above which nothing grows; 0: nine tenths of "
                           "the available memory");
   AddCount<std::uint64_t>(app, "max-connections", c.max_connections, 1, "connections open");
+  AddAddressLimits(app, c);
   AddCount(app, "max-streams-per-connection", c.max_streams_per_connection, 1,
            "calls open on one connection");
-  AddSeconds(app, "handshake-timeout", c.handshake_timeout, 0.1,
-             "seconds for the TLS handshake and a client's first bytes of HTTP/2");
-  AddSeconds(app, "keepalive-interval", c.keepalive_interval, 0.1,
-             "seconds of silence after which a client is pinged");
-  AddSeconds(app, "keepalive-timeout", c.keepalive_timeout, 0.1, "seconds for its answer");
-  AddSeconds(app, "idle-timeout", c.idle_timeout, 0.1,
-             "seconds without calls after which a connection is closed");
-  AddSeconds(app, "batch-timeout", c.batch_timeout, 0.001,
-             "seconds that a batch in parts, or a load, waits for its next part");
-  AddSeconds(app, "send-timeout", c.send_timeout, 0,
-             "seconds after which a call ends if its client reads nothing of it; 0: never");
+  AddTime(app, "handshake-timeout", c.handshake_timeout, absl::Milliseconds(100),
+          "time for the TLS handshake and a client's first bytes of HTTP/2");
+  AddTime(app, "keepalive-interval", c.keepalive_interval, absl::Milliseconds(100),
+          "silence after which a client is pinged");
+  AddTime(app, "keepalive-timeout", c.keepalive_timeout, absl::Milliseconds(100),
+          "time for its answer");
+  AddTime(app, "idle-timeout", c.idle_timeout, absl::Milliseconds(100),
+          "time without calls after which a connection is closed");
+  AddTime(app, "batch-timeout", c.batch_timeout, absl::Milliseconds(1),
+          "time that a batch in parts, or a load, waits for its next part");
+  AddTime(app, "send-timeout", c.send_timeout, absl::ZeroDuration(),
+          "time after which a call ends if its client reads nothing of it; 0: never");
 }
 
 // Not for the configuration file: they are for one run, which serves nothing.
@@ -249,17 +288,17 @@ void AddFlags(CLI::App& app, Flags& f) {
   app.add_option("--node-ca", c.node_ca,
                  "PEM file: the authority that signed the other servers' certificates; with TLS, "
                  "calls of clients that do not go there themselves are handed on only with it");
-  AddSeconds(app, "lease", c.lease, 0.1,
-             "seconds after which another server takes over the meshes of one that has ended; the "
-             "same at all servers of a journal");
+  AddTime(app, "lease", c.lease, absl::Milliseconds(100),
+          "time after which another server takes over the meshes of one that has ended; the "
+          "same at all servers of a journal");
   AddCount<std::uint64_t>(app, "followers", c.followers, 0,
                           "servers that follow each mesh in use, to take it over at once; 0: none; "
                           "the same at all servers of a journal",
                           16);
   AddCount<std::uint64_t>(app, "max-followed-meshes", c.max_followed_meshes, 0,
                           "meshes of other servers followed here; 0: none");
-  AddSeconds(app, "follower-idle", c.follower_idle, 1,
-             "seconds without use after which a mesh is not followed any more");
+  AddTime(app, "follower-idle", c.follower_idle, absl::Seconds(1),
+          "time without use after which a mesh is not followed any more");
   app.add_option(
          "--accept-loss", f.accept_loss,
          "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "
@@ -290,11 +329,11 @@ void AddFlags(CLI::App& app, Flags& f) {
          },
          "debug, info, warning, error, off")
       ->default_str(f.log_level);
-  AddSeconds(app, "drain-timeout", c.drain_timeout, 0,
-             "seconds to finish work after SIGTERM; the process ends 8 s later at most, with exit "
-             "code 3, also if the disk or the database does not answer");
-  AddSeconds(app, "progress-interval", c.progress_interval, 0.1,
-             "seconds between messages to idle watchers");
+  AddTime(app, "drain-timeout", c.drain_timeout, absl::ZeroDuration(),
+          "time to finish work after SIGTERM; the process ends 8 s later at most, with exit code 3, "
+          "also if the disk or the database does not answer");
+  AddTime(app, "progress-interval", c.progress_interval, absl::Milliseconds(100),
+          "time between messages to idle watchers");
   AddCount(app, "writer-threads", c.writer_threads, 0, "threads that apply edits; 0: by cores",
            kMostThreads);
   AddCount(app, "reader-threads", c.reader_threads, 0, "threads that serve readers; 0: by cores",

@@ -45,6 +45,14 @@ constexpr absl::Duration kCallGrace = absl::Seconds(5);
 // For clients to read the GOAWAY and to close their connections themselves. A client without a call
 // often notices only at its next call.
 constexpr std::chrono::milliseconds kConnectionGrace{50};
+// For clients to notice the drain by a refusal, which says so: calls on a connection that is being
+// closed get no reason. Ends when none has come for a while.
+constexpr absl::Duration kRefusalGrace = absl::Seconds(1);
+constexpr absl::Duration kQuiet = absl::Milliseconds(50);
+
+// 500 calls of the smallest size. A larger read would save loads little: a message of 4 MB is 256 of
+// these, some microseconds each.
+constexpr int kReadBytes = 16 << 10;
 
 int Threads(int configured) {
   if (configured > 0) return configured;
@@ -56,6 +64,17 @@ int WriterThreads(int configured, bool journal) {
   constexpr int kLeastWithJournal = 8;
   if (configured > 0 || !journal) return Threads(configured);
   return std::max(kLeastWithJournal, 2 * Threads(configured));
+}
+
+Acceptor::Limits ConnectionLimits(const ServerConfig& config) {
+  Acceptor::Limits limits;
+  limits.connections = config.max_connections;
+  const std::uint64_t half = std::max<std::uint64_t>(1, config.max_connections / 2);
+  const std::uint64_t own = config.max_connections_per_address;
+  limits.of_address = {own != 0 ? own : half, config.max_new_connections_per_second,
+                       config.max_wasted_calls_per_second,
+                       absl::ToChronoNanoseconds(config.handshake_timeout)};
+  return limits;
 }
 
 int Milliseconds(absl::Duration d) { return static_cast<int>(absl::ToInt64Milliseconds(d)); }
@@ -75,6 +94,9 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));
   set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, Milliseconds(config.idle_timeout));
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
+  // What is read of a connection before its calls are handled. All that a read brings is queued, and
+  // calls that are for nothing are counted only when they are handled.
+  set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kReadBytes);
 }
 
 // For calls that are handed on; null: none is. The files are read once.
@@ -140,11 +162,14 @@ struct Server::Impl {
         calls(metrics.registry),
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now(),
                 &builds),
-        service(&context, std::move(neighbours)) {}
+        service(&context, std::move(neighbours)) {
+    calls.failed().NameHolders(
+        [this](const std::string& limit) { return HoldersOf(context, limit); });
+  }
 
   // A Listen that fails has opened the port already.
   ~Impl() {
-    acceptor.reset();
+    if (acceptor != nullptr) acceptor->Stop();
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
   }
 
@@ -157,9 +182,13 @@ struct Server::Impl {
     if (absl::StartsWith(config.listen, "unix:")) {
       builder.AddListeningPort(config.listen, credentials, &port);
     } else {
-      auto listening = Acceptor::Listen(config.listen, config.max_connections);
+      auto listening = Acceptor::Listen(config.listen, ConnectionLimits(config));
       if (!listening.ok()) return listening.status();
       acceptor = *std::move(listening);
+      listener = acceptor.get();
+      calls.Judge({[this] { return acceptor->WantsAnswered(); },
+                   [this](absl::string_view peer) { acceptor->Answered(peer); },
+                   [this](absl::string_view peer) { acceptor->Wasted(peer); }});
       port = acceptor->port();
       using External = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
       sink = builder.experimental().AddExternalConnectionAcceptor(External::FROM_FD, credentials);
@@ -279,6 +308,9 @@ struct Server::Impl {
       }
       WriteLimits(memory, config.tls, out);
       WriteStreams(context.client_streams, out);
+      if (Acceptor* const now = listener; now != nullptr) {
+        WriteConnections(now->counts(), out);
+      }
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();
@@ -318,8 +350,9 @@ struct Server::Impl {
   UnknownMethods unknown;
   std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
   std::shared_ptr<TlsCredentials> tls;                   // the same, if it is TLS
+  std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens; calls use it until they end
+  std::atomic<Acceptor*> listener{nullptr};  // the same, for all threads
   std::unique_ptr<grpc::Server> server;
-  std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens
   int port = 0;
   std::unique_ptr<Ticker> ticker;
   std::mutex drain_mutex;
@@ -387,6 +420,10 @@ void Server::Reload() { impl_->access->Reload(); }
 
 MeshRegistry& Server::registry() { return impl_->registry; }
 
+ConnectionTable::Counts Server::connections() const {
+  return impl_->acceptor == nullptr ? ConnectionTable::Counts() : impl_->acceptor->counts();
+}
+
 bool Server::Drain(absl::Duration limit) {
   const std::lock_guard lock(impl_->drain_mutex);
   if (impl_->drained) return true;
@@ -396,7 +433,8 @@ bool Server::Drain(absl::Duration limit) {
   impl_->not_ready = "draining";
   impl_->SetHealth(false);
   // Calls are answered meanwhile, with the next owner when it has the mesh.
-  if (limit > absl::ZeroDuration()) {
+  const bool waits = limit > absl::ZeroDuration();
+  if (waits) {
     impl_->registry.HandOver(limit);
     limit = std::max(absl::ZeroDuration(), limit - (absl::Now() - start));
   }
@@ -407,7 +445,9 @@ bool Server::Drain(absl::Duration limit) {
   if (!done && impl_->journal != nullptr) impl_->journal->EndWrites(DrainingError());
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   // Edits of calls that are still open are cancelled and undone. The other calls are being ended.
-  if (done) impl_->calls.open().WaitEmpty(kCallGrace);
+  if (!done) impl_->service.EndEdits();
+  if (done || waits) impl_->calls.open().WaitEmpty(kCallGrace);
+  if (done && waits) impl_->calls.WaitQuiet(kQuiet, kRefusalGrace);
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();

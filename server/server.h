@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/access/connection_table.h"
 #include "server/config/config.h"
 #include "server/journal/journal.h"
 #include "server/meshes/build_pool.h"
@@ -42,6 +43,7 @@ class Server {
   void Reload();
 
   MeshRegistry& registry();
+  ConnectionTable::Counts connections() const;
 
  private:
   struct Impl;

@@ -24,6 +24,15 @@ absl::Status Unauthenticated(const char* reason, absl::string_view client,
   return codec::MakeServiceError(absl::StatusCode::kUnauthenticated, message, error);
 }
 
+std::string WhyEnded(const std::string& token, bool is_known, Role role,
+                     const std::string& mesh_id) {
+  if (!is_known) {
+    return absl::StrCat(codec::reason::kTokenUnknown, ": the token ", token, " was removed");
+  }
+  return absl::StrCat(codec::reason::kRoleMissing, ": the token ", token, " has the role ",
+                      RoleName(role), " on ", MeshName(mesh_id), " no more");
+}
+
 // Nothing unless the text is "Bearer TOKEN".
 std::optional<absl::string_view> BearerToken(absl::string_view authorization) {
   constexpr absl::string_view kScheme = "bearer ";
@@ -101,7 +110,7 @@ absl::StatusOr<std::unique_ptr<Access>> Access::Create(const std::string& tokens
   access->stamp_ = StampOf(tokens_file);
   absl::StatusOr<TokenTable> table = access->Read();
   if (!table.ok()) return table.status();
-  access->table_ = std::make_shared<const TokenTable>(*std::move(table));
+  access->SetTable(*std::move(table));
   return access;
 }
 
@@ -112,6 +121,11 @@ absl::StatusOr<TokenTable> Access::Read() const {
   if (table.ok()) return table;
   return absl::InvalidArgumentError(
       absl::StrCat("tokens: ", tokens_file_, ": ", table.status().message()));
+}
+
+void Access::SetTable(TokenTable table) {
+  tokens_ = table.size();
+  table_ = std::make_shared<const TokenTable>(std::move(table));
 }
 
 absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
@@ -150,7 +164,7 @@ std::shared_ptr<const Token> Access::Current(const Token& token) const {
 }
 
 absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::string_view mesh_id,
-                                            std::function<void()> cancel) {
+                                            Cancel cancel) {
   Stream stream;
   if (pass.token_ == nullptr) return stream;
   const std::lock_guard lock(mutex_);
@@ -193,12 +207,12 @@ void Access::ReadAgain(const FileStamp& stamp) {
   std::size_t ended = 0;
   {
     const std::lock_guard lock(mutex_);
-    table_ = std::make_shared<const TokenTable>(*std::move(table));
+    SetTable(*std::move(table));
     for (auto& [key, entry] : streams_) {
       const std::shared_ptr<const Token> token = Current(*entry.token);
       if (token != nullptr && token->Allows(entry.role, entry.mesh_id)) continue;
       // Under the lock, so that the stream still exists.
-      entry.cancel();
+      entry.cancel(WhyEnded(entry.token->name, token != nullptr, entry.role, entry.mesh_id));
       ++ended;
     }
   }

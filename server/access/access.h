@@ -9,6 +9,8 @@
 #ifndef DYNMESH_SERVER_ACCESS_ACCESS_H_
 #define DYNMESH_SERVER_ACCESS_ACCESS_H_
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -61,6 +63,9 @@ class Pass {
 
 class Access {
  public:
+  // Ends a stream. `why`: a reason, as TOKEN_UNKNOWN, a colon and a text.
+  using Cancel = std::function<void(const std::string& why)>;
+
   // An open stream, until destroyed or Closed. Its `cancel` is not called after that.
   class Stream {
    public:
@@ -80,13 +85,16 @@ class Access {
   static absl::StatusOr<std::unique_ptr<Access>> Create(const std::string& tokens_file,
                                                         double requests_per_second);
 
+  // There is more than one token, so that clients can be told apart.
+  bool has_several_clients() const { return tokens_.load(std::memory_order_relaxed) > 1; }
+
   // Counts a request of the caller. UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN).
   absl::StatusOr<Pass> Admit(const Caller& caller);
 
   // Calls `cancel` when the pass loses the role on the mesh. Refuses at once if it does not have
   // it.
   absl::StatusOr<Stream> Open(const Pass& pass, Role role, absl::string_view mesh_id,
-                              std::function<void()> cancel);
+                              Cancel cancel);
 
   // Checks the token file, and reads it again a second after a change. To be called periodically;
   // `now` is from a monotonic clock.
@@ -99,12 +107,13 @@ class Access {
     std::shared_ptr<const Token> token;
     Role role;
     std::string mesh_id;
-    std::function<void()> cancel;
+    Cancel cancel;
   };
 
   Access(std::string tokens_file, double requests_per_second)
       : tokens_file_(std::move(tokens_file)), rate_(requests_per_second) {}
   absl::StatusOr<TokenTable> Read() const;
+  void SetTable(TokenTable table);
   void ReadAgain(const FileStamp& stamp);
   // The present token with that hash.
   std::shared_ptr<const Token> Current(const Token& token) const;
@@ -113,6 +122,7 @@ class Access {
   RateLimit rate_;
   mutable std::mutex mutex_;
   std::shared_ptr<const TokenTable> table_;  // null: no authentication
+  std::atomic<std::size_t> tokens_{0};       // in table_
   std::map<std::uint64_t, Entry> streams_;
   std::uint64_t next_key_ = 1;
   std::mutex reload_mutex_;  // acquired first

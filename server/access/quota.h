@@ -2,8 +2,10 @@
 #ifndef DYNMESH_SERVER_ACCESS_QUOTA_H_
 #define DYNMESH_SERVER_ACCESS_QUOTA_H_
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -45,11 +47,13 @@ class Quota {
   explicit Quota(std::uint64_t limit)
       : limit_(limit), used_(std::make_shared<std::atomic<std::uint64_t>>(0)) {}
 
-  // An empty lease if that would pass the limit.
-  Lease Take(std::uint64_t amount = 1) {
+  // An empty lease if that would pass the limit, or `most`.
+  Lease Take(std::uint64_t amount = 1,
+             std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
+    most = std::min(most, limit_);
     std::uint64_t used = used_->load(std::memory_order_relaxed);
     do {
-      if (amount > limit_ || used > limit_ - amount) return Lease();
+      if (amount > most || used > most - amount) return Lease();
     } while (!used_->compare_exchange_weak(used, used + amount, std::memory_order_relaxed));
     return Lease(used_, amount);
   }

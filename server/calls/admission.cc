@@ -35,20 +35,52 @@ absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context) {
   return ticket;
 }
 
-absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what) {
-  Lease lease = quota.Take();
-  if (lease) return lease;
-  codec::ServiceError error;
-  error.reason = codec::reason::kStreamLimit;
-  error.retry_after = absl::Seconds(1);
-  return codec::MakeServiceError(
-      absl::StatusCode::kResourceExhausted,
-      absl::StrCat("the server's limit of ", quota.limit(), " ", what, " is reached: try later"),
-      error);
+std::string HoldersOf(const ServiceContext& context, absl::string_view limit) {
+  for (const SharedLimit* shared :
+       {&context.watchers, &context.edit_streams, &context.snapshot_streams, &context.builds,
+        &context.pasts, &context.pending_edits}) {
+    if (shared->what() == limit) return shared->Holders();
+  }
+  return "";
 }
 
-absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
-                                       absl::string_view what, const Pass& pass) {
+namespace {
+
+// Null access: no token is known.
+bool IsShared(const ServiceContext& context) {
+  return context.access != nullptr && context.access->has_several_clients();
+}
+
+std::string ShareText(const SharedLimit& limit) {
+  return absl::StrCat("this client has its share of the server's ", limit.what(), ", ",
+                      limit.share(), " of ", limit.limit());
+}
+
+}  // namespace
+
+absl::StatusOr<SharedLimit::Place> TakePlace(ServiceContext& context, SharedLimit& limit,
+                                             const Pass& pass) {
+  bool is_share = false;
+  SharedLimit::Place place = limit.Take(pass.client(), 1, IsShared(context), is_share);
+  if (place) return place;
+  codec::ServiceError error;
+  error.reason = is_share ? codec::reason::kClientStreamLimit : codec::reason::kStreamLimit;
+  error.metadata["limit"] = limit.what();
+  error.retry_after = absl::Seconds(1);
+  if (is_share) {
+    error.metadata["client"] = pass.client();
+    return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                   absl::StrCat(ShareText(limit), ": end some, or try later"),
+                                   error);
+  }
+  return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                 absl::StrCat("the server's limit of ", limit.limit(), " ",
+                                              limit.what(), " is reached: try later"),
+                                 error);
+}
+
+absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, SharedLimit& limit,
+                                       const Pass& pass) {
   StreamPlace place;
   place.of_client = context.client_streams.Take(pass.client());
   if (!place.of_client) {
@@ -62,13 +94,14 @@ absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
                      " streams open that one client may have: end some, or try later"),
         error);
   }
-  absl::StatusOr<Lease> lease = TakeStream(quota, what);
-  if (!lease.ok()) return lease.status();
-  place.of_kind = *std::move(lease);
+  absl::StatusOr<SharedLimit::Place> of_kind = TakePlace(context, limit, pass);
+  if (!of_kind.ok()) return of_kind.status();
+  place.of_kind = *std::move(of_kind);
   return place;
 }
 
-absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count) {
+absl::StatusOr<SharedLimit::Place> TakeEdits(ServiceContext& context, const Pass& pass,
+                                             std::size_t before, std::size_t count) {
   codec::ServiceError error;
   if (before + count > context.config.max_batch_edits) {
     error.reason = codec::reason::kBatchTooLarge;
@@ -79,21 +112,27 @@ absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std
                      " edits at most, 8 points of a polygon count as one: split it"),
         error);
   }
-  Lease lease = context.pending_edits.Take(count);
-  if (lease) return lease;
+  SharedLimit& limit = context.pending_edits;
+  bool is_share = false;
+  SharedLimit::Place place = limit.Take(pass.client(), count, IsShared(context), is_share);
+  if (place) return place;
   error.reason = codec::reason::kPendingLimit;
+  error.metadata["limit"] = limit.what();
   error.retry_after = absl::Milliseconds(500);
-  return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
-                                 "too many edits are waiting in the server: try again later",
-                                 error);
+  if (is_share) error.metadata["client"] = pass.client();
+  return codec::MakeServiceError(
+      absl::StatusCode::kResourceExhausted,
+      is_share ? absl::StrCat(ShareText(limit), ": wait for the answers to those it has sent")
+               : "too many edits are waiting in the server: try again later",
+      error);
 }
 
-absl::Status HeldEdits::Take(ServiceContext& context, std::size_t count) {
+absl::Status HeldEdits::Take(ServiceContext& context, const Pass& pass, std::size_t count) {
   if (count == 0) return absl::OkStatus();  // no limit on such parts
-  absl::StatusOr<Lease> lease = TakeEdits(context, weight_, count);
-  if (!lease.ok()) return lease.status();
+  absl::StatusOr<SharedLimit::Place> place = TakeEdits(context, pass, weight_, count);
+  if (!place.ok()) return place.status();
   weight_ += count;
-  leases_.push_back(*std::move(lease));
+  places_.push_back(*std::move(place));
   return absl::OkStatus();
 }
 
@@ -106,11 +145,10 @@ absl::Status CheckRefusal(const MeshRegistry& meshes, const MeshHost& host, absl
 
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       absl::StatusOr<MeshRegistry::HostPtr> host,
-                                      std::function<void()> cancel) {
+                                      Access::Cancel cancel) {
   if (!host.ok()) return host.status();
   if (*host == nullptr) return absl::CancelledError("the call ended before its mesh was opened");
-  absl::StatusOr<StreamPlace> place =
-      TakeStream(context, context.edit_streams, "edit streams", pass);
+  absl::StatusOr<StreamPlace> place = TakeStream(context, context.edit_streams, pass);
   if (!place.ok()) return place.status();
   absl::StatusOr<Access::Stream> allowed =
       context.access->Open(pass, Role::kEdit, (*host)->id(), std::move(cancel));

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@
 #include "server/access/access.h"
 #include "server/access/client_quotas.h"
 #include "server/access/quota.h"
+#include "server/access/shared_limit.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/open_sends.h"
@@ -28,6 +30,8 @@ namespace dynmesh::server {
 
 // Shared by the calls of a service.
 struct ServiceContext {
+  static constexpr std::uint64_t kMostPasts = 16;  // that wait or are made
+
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
                  WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now,
                  BuildPool* b = nullptr)
@@ -40,12 +44,14 @@ struct ServiceContext {
         access(ac),
         build_pool(b),
         start_time(now),
-        watchers(c.max_watchers),
-        edit_streams(c.max_edit_streams),
-        snapshot_streams(c.max_snapshot_streams),
-        builds(c.max_builds),
-        client_streams(c.max_streams_per_client),
-        pending_edits(c.max_pending_edits) {}
+        watchers("watches", c.max_watchers),
+        edit_streams("edit streams", c.max_edit_streams),
+        snapshot_streams("concurrent snapshots", c.max_snapshot_streams),
+        builds("concurrent builds", c.max_builds),
+        pasts("watches that begin in the past", kMostPasts),
+        // A batch as large as may be is not refused for good.
+        pending_edits("edits that wait", c.max_pending_edits, c.max_batch_edits),
+        client_streams(c.max_streams_per_client) {}
 
   const ServerConfig config;
   MeshRegistry* const registry;
@@ -58,12 +64,13 @@ struct ServiceContext {
   const absl::Time start_time;
   WorkGate gate;
   std::atomic<bool> recovering{false};  // meshes are being recovered: no call is answered yet
-  Quota watchers;
-  Quota edit_streams;
-  Quota snapshot_streams;
-  Quota builds;
+  SharedLimit watchers;
+  SharedLimit edit_streams;
+  SharedLimit snapshot_streams;
+  SharedLimit builds;
+  SharedLimit pasts;
+  SharedLimit pending_edits;
   ClientQuotas client_streams;
-  Quota pending_edits;
   OpenSends sends;
   SharedEvents events;  // of all watches
 };
@@ -77,31 +84,37 @@ absl::Status RecoveringError();
 // A ticket, or DrainingError.
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
 
-// RESOURCE_EXHAUSTED (STREAM_LIMIT). `what` names the streams of `quota`: "watches", ...
-absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
+// The clients that have most of a limit, by its name in an error's metadata; "" if there is none.
+std::string HoldersOf(const ServiceContext& context, absl::string_view limit);
 
-// A stream's leases: of the quota of its kind, and of its client's.
+// RESOURCE_EXHAUSTED: STREAM_LIMIT, or CLIENT_STREAM_LIMIT if the client has its share of `limit`.
+// Both have the limit's name in the metadata as `limit`.
+absl::StatusOr<SharedLimit::Place> TakePlace(ServiceContext& context, SharedLimit& limit,
+                                             const Pass& pass);
+
+// A stream's place among those of its kind, and among its client's streams.
 struct StreamPlace {
-  Lease of_kind;
+  SharedLimit::Place of_kind;
   Lease of_client;
 };
-// As above; RESOURCE_EXHAUSTED (CLIENT_STREAM_LIMIT) if the client is at its limit.
-absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
-                                       absl::string_view what, const Pass& pass);
+// As above; CLIENT_STREAM_LIMIT also if the client is at its limit of streams of all kinds.
+absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, SharedLimit& limit,
+                                       const Pass& pass);
 
 // Reserves edits of weight `count` for a batch of weight `before`: INVALID_ARGUMENT
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
-absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
+absl::StatusOr<SharedLimit::Place> TakeEdits(ServiceContext& context, const Pass& pass,
+                                             std::size_t before, std::size_t count);
 
 // The same, part by part: the reservation of a batch while it is received and waits.
 class HeldEdits {
  public:
-  absl::Status Take(ServiceContext& context, std::size_t count);
-  void Release() { leases_.clear(); }
+  absl::Status Take(ServiceContext& context, const Pass& pass, std::size_t count);
+  void Release() { places_.clear(); }
 
  private:
   std::size_t weight_ = 0;
-  std::vector<Lease> leases_;
+  std::vector<SharedLimit::Place> places_;
 };
 
 // `refused`, the error of a batch; or NOT_OWNER if it was judged by a state of the mesh that may
@@ -118,7 +131,7 @@ struct EditTarget {
 // opened, which is an error here. `cancel` is called when the right is lost.
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       absl::StatusOr<MeshRegistry::HostPtr> host,
-                                      std::function<void()> cancel);
+                                      Access::Cancel cancel);
 
 absl::Status CheckRequestId(absl::string_view request_id);
 

@@ -71,12 +71,11 @@ class BuildCall final : public PartsCall<Request, Response> {
 
   absl::Status Receive() override {
     if (!request_.has_begun()) {
-      absl::StatusOr<StreamPlace> place =
-          TakeStream(context_, context_.builds, "concurrent builds", pass_);
+      absl::StatusOr<StreamPlace> place = TakeStream(context_, context_.builds, pass_);
       if (!place.ok()) return place.status();
       place_ = *std::move(place);
     }
-    return request_.Add(context_, request());
+    return request_.Add(context_, pass_, request());
   }
 
   void Submit() override {

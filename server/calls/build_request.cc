@@ -69,7 +69,8 @@ absl::Status BuildRequest::Begin(ServiceContext& context, const v1::BuildMeshReq
   return absl::OkStatus();
 }
 
-absl::Status BuildRequest::Reserve(ServiceContext& context, const v1::BuildMeshRequest& message) {
+absl::Status BuildRequest::Reserve(ServiceContext& context, const Pass& pass,
+                                   const v1::BuildMeshRequest& message) {
   const auto points = static_cast<std::size_t>(message.points().ids_size());
   const std::size_t weight = points + codec::Weight(message.features());
   codec::ServiceError error;
@@ -94,17 +95,18 @@ absl::Status BuildRequest::Reserve(ServiceContext& context, const v1::BuildMeshR
         error);
   }
   weight_ += weight;
-  return held_.Take(context, weight);
+  return held_.Take(context, pass, weight);
 }
 
-absl::Status BuildRequest::Add(ServiceContext& context, const v1::BuildMeshRequest& message) {
+absl::Status BuildRequest::Add(ServiceContext& context, const Pass& pass,
+                               const v1::BuildMeshRequest& message) {
   if (!has_begun_) {
     if (absl::Status s = Begin(context, message); !s.ok()) return s;
     has_begun_ = true;
   } else if (const char* field = FieldOfFirst(message)) {
     return BadRequest(field, "belongs in the first message");
   }
-  if (absl::Status s = Reserve(context, message); !s.ok()) return s;
+  if (absl::Status s = Reserve(context, pass, message); !s.ok()) return s;
   parts_.Add(message, edits_.size());
   const int dimension = job_.options.dimension;
   if (absl::Status s = codec::DecodePointColumns(message.points(), dimension, &edits_); !s.ok()) {

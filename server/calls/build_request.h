@@ -16,7 +16,7 @@ namespace dynmesh::server {
 class BuildRequest {
  public:
   // Adds the stream's next message. After an error the build is to be refused.
-  absl::Status Add(ServiceContext& context, const v1::BuildMeshRequest& message);
+  absl::Status Add(ServiceContext& context, const Pass& pass, const v1::BuildMeshRequest& message);
 
   bool has_begun() const { return has_begun_; }
   std::size_t features() const { return edits_.size(); }
@@ -31,7 +31,8 @@ class BuildRequest {
 
  private:
   absl::Status Begin(ServiceContext& context, const v1::BuildMeshRequest& first);
-  absl::Status Reserve(ServiceContext& context, const v1::BuildMeshRequest& message);
+  absl::Status Reserve(ServiceContext& context, const Pass& pass,
+                       const v1::BuildMeshRequest& message);
 
   bool has_begun_ = false;
   BuildJob job_;

@@ -93,8 +93,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   // The number of concurrent states is limited.
   absl::Status Take(const absl::StatusOr<MeshRegistry::HostPtr>& host) {
     if (!host.ok()) return host.status();
-    absl::StatusOr<StreamPlace> place =
-        TakeStream(*context_, context_->snapshot_streams, "concurrent snapshots", pass_);
+    absl::StatusOr<StreamPlace> place = TakeStream(*context_, context_->snapshot_streams, pass_);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
     withdrawal_.Take(*host);

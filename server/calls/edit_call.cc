@@ -1,6 +1,7 @@
 #include "server/calls/edit_call.h"
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -21,17 +22,22 @@ const char* EditsField(const v1::RemoveFeaturesRequest&) { return "ids"; }
 const char* EditsField(const v1::ApplyEditsRequest&) { return "edits"; }
 const char* EditsField(const v1::RevertToRequest&) { return "revision"; }
 
-class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
+class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public OpenStream {
  public:
   EditCall(ServiceContext& context, const char* edits_field, grpc::CallbackServerContext* rpc)
       : context_(context), edits_field_(edits_field), rpc_(rpc) {}
 
   template <typename Request>
-  static EditCall* Start(ServiceContext& context, const Request& request,
-                         const absl::Status& admitted, grpc::CallbackServerContext* rpc) {
+  static EditCall* Start(ServiceContext& context, OpenStreams& edits, const Request& request,
+                         const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<EditCall>(context, EditsField(request), rpc);
     call->self_ = call;
-    const absl::Status status = admitted.ok() ? call->Begin(request) : admitted;
+    absl::Status status = pass.status();
+    if (status.ok()) {
+      call->pass_ = *pass;
+      edits.Add(call);
+      status = call->Begin(request);
+    }
     // Only before the job is submitted: after that the call may be answered and gone.
     if (!status.ok()) call->Fail(status);
     return call.get();
@@ -46,6 +52,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     }
   }
   void OnCancel() override { withdrawal_.Cancel(); }
+  void End(const absl::Status& status) override {
+    {
+      const std::lock_guard lock(end_mutex_);
+      end_status_ = status;
+    }
+    withdrawal_.Cancel();
+  }
   void OnDone() override {
     sender_.Leave();
     if (fragmenter_.has_value()) {
@@ -76,7 +89,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   template <typename Request>
   absl::Status Submit(const Request& request, MeshRegistry::HostPtr host) {
     withdrawal_.Take(host);
-    absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, std::move(host), request);
+    absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, pass_, std::move(host), request);
     if (!taken.ok()) return taken.status();
     taken->job.call_id = CallIdOf(*rpc_);
     omit_columns_ = request.omit_columns();
@@ -85,15 +98,15 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   template <typename Request>
   absl::Status HandIn(const Request&, EditRequest taken) {
-    lease_ = std::move(taken.lease);
+    place_ = std::move(taken.place);
     return Apply(*taken.host, std::move(taken.job));
   }
 
   // Holds the features of two revisions until it is done, as much memory as a snapshot.
   absl::Status HandIn(const v1::RevertToRequest& request, EditRequest taken) {
-    absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "concurrent snapshots");
-    if (!lease.ok()) return lease.status();
-    snapshot_lease_ = *std::move(lease);
+    auto place = TakePlace(context_, context_.snapshot_streams, pass_);
+    if (!place.ok()) return place.status();
+    snapshot_place_ = *std::move(place);
     taken.job.source = source_ = EditSource::kRevert;
     context_.readers->Post([call = self_, revision = request.revision(),
                             host = std::move(taken.host), job = std::move(taken.job)]() mutable {
@@ -101,10 +114,10 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
       job.make = std::move(plan.job.make);
       job.content = plan.job.content;
       job.expected_hash = plan.job.expected_hash;
-      absl::StatusOr<Lease> room = TakeEdits(call->context_, 0, plan.weight);
+      auto room = TakeEdits(call->context_, call->pass_, 0, plan.weight);
       absl::Status status = room.status();
       if (status.ok()) {
-        call->lease_ = *std::move(room);
+        call->place_ = *std::move(room);
         status = call->Apply(*host, std::move(job));
       }
       if (!status.ok()) call->Fail(status);
@@ -121,8 +134,8 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {
-    lease_.Release();
-    snapshot_lease_.Release();
+    place_ = {};
+    snapshot_place_ = {};
     if (!outcome.ok()) {
       return Fail(CheckRefusal(*context_.registry, withdrawal_.host(), outcome.status()));
     }
@@ -144,7 +157,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     }
   }
 
-  void Fail(const absl::Status& status) { Finish(codec::ToGrpcStatus(status, edits_field_)); }
+  void Fail(absl::Status status) {
+    if (absl::IsCancelled(status)) {
+      const std::lock_guard lock(end_mutex_);
+      if (!end_status_.ok()) status = end_status_;
+    }
+    Finish(codec::ToGrpcStatus(status, edits_field_));
+  }
 
   ServiceContext& context_;
   const char* const edits_field_;
@@ -153,10 +172,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   MetricsClock::time_point answered_;
   EditSource source_ = EditSource::kEdit;
   Withdrawal withdrawal_;
+  std::mutex end_mutex_;
+  absl::Status end_status_;         // why the server cancelled it
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
-  Lease lease_;
-  Lease snapshot_lease_;
+  Pass pass_;
+  SharedLimit::Place place_;
+  SharedLimit::Place snapshot_place_;
   bool omit_columns_ = false;
   bool replayed_ = false;
   std::optional<codec::DiffFragmenter> fragmenter_;
@@ -165,29 +187,29 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::AddFeaturesRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, request, admitted, rpc);
+  return EditCall::Start(context, edits, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::RemoveFeaturesRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, request, admitted, rpc);
+  return EditCall::Start(context, edits, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::ApplyEditsRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, request, admitted, rpc);
+  return EditCall::Start(context, edits, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::RevertToRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, request, admitted, rpc);
+  return EditCall::Start(context, edits, request, pass, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -7,27 +7,29 @@
 
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
+#include "server/calls/open_streams.h"
 
 namespace dynmesh::server {
 
-// Each starts a call that frees itself. A call that is not admitted ends with the error. `request`
+// Each starts a call that frees itself, and puts it into `edits`: End cancels a batch that is not
+// applied yet. Without a pass it ends with the error. `request`
 // is not used after the return; `rpc` is used until the call is done.
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::AddFeaturesRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::RemoveFeaturesRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::ApplyEditsRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
 // The batch is made on a reader's thread first.
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
                                                       const v1::RevertToRequest& request,
-                                                      const absl::Status& admitted,
+                                                      const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
 
 }  // namespace dynmesh::server

@@ -14,6 +14,7 @@
 #include "server/base/call_id.h"
 #include "server/base/log.h"
 #include "server/calls/asking.h"
+#include "server/calls/cut_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 
@@ -161,7 +162,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     }
     brought_ = !partial_.has_value() || request_.edits_size() > 0;
     if (!partial_.has_value()) BeginBatch();
-    partial_->Add(context_, request_, host_->mesh_options().dimension);
+    partial_->Add(context_, pass_, request_, host_->mesh_options().dimension);
     if (!request_.more()) Submit();
     return absl::OkStatus();
   }
@@ -192,7 +193,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   absl::Status TakeMesh() {
     absl::StatusOr<EditTarget> target =
-        OpenToEdit(context_, pass_, std::move(found_), [rpc = rpc_] { rpc->TryCancel(); });
+        OpenToEdit(context_, pass_, std::move(found_), CutWhenRevoked(rpc_));
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);

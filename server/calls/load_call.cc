@@ -12,6 +12,7 @@
 #include "proto/codec/mesh_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/log.h"
+#include "server/calls/cut_call.h"
 #include "server/calls/load_parts.h"
 #include "server/calls/parts_call.h"
 
@@ -71,7 +72,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     const v1::PointColumns& points = request().points();
     const std::size_t weight =
         static_cast<std::size_t>(points.ids_size()) + codec::Weight(request().features());
-    if (absl::Status s = held_.Take(context_, weight); !s.ok()) return s;
+    if (absl::Status s = held_.Take(context_, pass_, weight); !s.ok()) return s;
     parts_.Add(request(), job_.edits.size());
     const int dimension = host_->mesh_options().dimension;
     if (absl::Status s = codec::DecodePointColumns(points, dimension, &job_.edits); !s.ok()) {
@@ -84,7 +85,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   absl::Status Open() {
     if (absl::Status s = CheckRequestId(request().request_id()); !s.ok()) return s;
     absl::StatusOr<EditTarget> target =
-        OpenToEdit(context_, pass_, std::move(found_), [rpc = rpc_] { rpc->TryCancel(); });
+        OpenToEdit(context_, pass_, std::move(found_), CutWhenRevoked(rpc_));
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);

@@ -120,6 +120,15 @@ Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer
   return caller;
 }
 
+// What the creation of a mesh is remembered by. Two clients may use the same request_id, and one
+// client may use one with and without a name. The journal keeps it. Ids of before, which are
+// request_ids alone, do not begin so.
+std::string CreationId(const Pass& pass, const v1::CreateMeshRequest& request) {
+  if (request.request_id().empty()) return "";
+  return absl::StrCat("\x1f", request.mesh_id().empty() ? "fresh" : "named", " ", pass.name(),
+                      "\x1f", request.request_id());
+}
+
 // Ends a streaming call before anything was sent.
 template <typename Response>
 class FailedCall final : public grpc::ServerWriteReactor<Response> {
@@ -283,10 +292,10 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   // Request and response live until the call is finished.
   context_.writers->Post(
       [this, reactor, call, request, response, options = *options, held = *ticket,
-       asking = AskingOf(*call),
+       asking = AskingOf(*call), id = CreationId(*pass, *request),
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
-        const auto host = context_.registry->Create(
-            request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
+        const auto host = context_.registry->Create(request->mesh_id(), options, id,
+                                                    reactor->cancelled(), origin);
         const auto answer = [this, reactor, call, request,
                              response](const absl::StatusOr<MeshRegistry::HostPtr>& made) {
           if (made.ok()) EncodeMesh(**made, response);
@@ -294,7 +303,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
                          [reactor](const grpc::Status& end) { reactor->Finish(end); });
         };
         held.reset();
-        context_.registry->FindMade(host, options, request->request_id(), asking, answer);
+        context_.registry->FindMade(host, options, id, asking, answer);
       });
   return reactor;
 }
@@ -406,20 +415,17 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* MeshServiceImpl::EditStream(
@@ -449,8 +455,7 @@ grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
-  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       call);
+  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
 }
 
 grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>*

@@ -51,13 +51,13 @@ absl::StatusOr<EditRequest> Begin(MeshRegistry::HostPtr host, const Request& req
 }
 
 template <typename Request>
-absl::StatusOr<EditRequest> Take(ServiceContext& context, MeshRegistry::HostPtr host,
-                                 const Request& request) {
+absl::StatusOr<EditRequest> Take(ServiceContext& context, const Pass& pass,
+                                 MeshRegistry::HostPtr host, const Request& request) {
   absl::StatusOr<EditRequest> taken = Begin(std::move(host), request);
   if (!taken.ok()) return taken;
-  absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
-  if (!lease.ok()) return lease.status();
-  taken->lease = *std::move(lease);
+  absl::StatusOr<SharedLimit::Place> place = TakeEdits(context, pass, 0, Weight(request));
+  if (!place.ok()) return place.status();
+  taken->place = *std::move(place);
   const int dimension = taken->host->mesh_options().dimension;
   if (absl::Status s = Decode(request, dimension, &taken->job.edits); !s.ok()) return s;
   taken->job.validate_only = request.validate_only();
@@ -66,20 +66,24 @@ absl::StatusOr<EditRequest> Take(ServiceContext& context, MeshRegistry::HostPtr 
 
 }  // namespace
 
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::AddFeaturesRequest& request) {
-  return Take(context, std::move(host), request);
+  return Take(context, pass, std::move(host), request);
 }
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::RemoveFeaturesRequest& request) {
-  return Take(context, std::move(host), request);
+  return Take(context, pass, std::move(host), request);
 }
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::ApplyEditsRequest& request) {
-  return Take(context, std::move(host), request);
+  return Take(context, pass, std::move(host), request);
 }
 
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext&, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext&, const Pass&,
+                                            MeshRegistry::HostPtr host,
                                             const v1::RevertToRequest& request) {
   return Begin(std::move(host), request);
 }
@@ -91,9 +95,10 @@ PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit
   if (!job.refused.ok()) job.request_id = job.request_id.substr(0, kMostOfABadRequestId);
 }
 
-void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& part, int dimension) {
+void PartialBatch::Add(ServiceContext& context, const Pass& pass, const v1::EditBatch& part,
+                       int dimension) {
   if (!job.refused.ok()) return;  // the rest of a refused batch is skipped
-  job.refused = held.Take(context, codec::Weight(part.edits()));
+  job.refused = held.Take(context, pass, codec::Weight(part.edits()));
   if (job.refused.ok()) job.refused = codec::DecodeEdits(part.edits(), dimension, &job.edits);
   if (!job.refused.ok()) {
     EditBatch().swap(job.edits);

@@ -17,24 +17,28 @@ namespace dynmesh::server {
 // A batch for `host` that came in one message, and its share of the limits.
 struct EditRequest {
   MeshRegistry::HostPtr host;
-  Lease lease;
+  SharedLimit::Place place;
   EditJob job;  // without its callbacks
 };
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::AddFeaturesRequest& request);
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::RemoveFeaturesRequest& request);
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::ApplyEditsRequest& request);
 // The batch depends on the mesh's history: no edits yet, and nothing reserved.
-absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, MeshRegistry::HostPtr host,
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context, const Pass& pass,
+                                            MeshRegistry::HostPtr host,
                                             const v1::RevertToRequest& request);
 
 // A batch of an edit stream that is being received. An error goes to job.refused, to be answered in
 // the batch's turn; its edits are dropped then.
 struct PartialBatch {
   explicit PartialBatch(const v1::EditBatch& first);
-  void Add(ServiceContext& context, const v1::EditBatch& part, int dimension);
+  void Add(ServiceContext& context, const Pass& pass, const v1::EditBatch& part, int dimension);
 
   EditJob job;
   bool omit_columns = false;

@@ -1,11 +1,10 @@
 #include "server/calls/send_timeout.h"
 
-#include <grpc/grpc.h>
-
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
+#include "server/calls/cut_call.h"
 
 namespace dynmesh::server {
 namespace {
@@ -17,13 +16,11 @@ std::string SlowReceiver(absl::Duration limit) {
 
 }  // namespace
 
-// Finish would wait behind the message that is not taken. Cancelling does not, and its status
-// reaches the client. It cannot carry details, so the text names the reason.
+// Finish would wait behind the message that is not taken.
 void LimitSends(ServiceContext& context, grpc::CallbackServerContext* rpc,
                 OpenSends::Sender& sender) {
   sender.Enter(context.sends, [rpc, limit = context.config.send_timeout] {
-    grpc_call_cancel_with_status(rpc->c_call(), GRPC_STATUS_DEADLINE_EXCEEDED,
-                                 SlowReceiver(limit).c_str(), nullptr);
+    CutCall(*rpc, GRPC_STATUS_DEADLINE_EXCEEDED, SlowReceiver(limit));
   });
 }
 

@@ -15,6 +15,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/asking.h"
+#include "server/calls/cut_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/calls/shared_events.h"
@@ -43,11 +44,12 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
       call->Finish(codec::ToGrpcStatus(status));
       return call.get();
     }
+    call->pass_ = *pass;
     // The request lives until the call is finished.
     context.registry->OpenToRead(
         request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
-        [call, &request, pass = *pass, rpc](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
-          call->Opened(request, pass, host, rpc);
+        [call, &request, rpc](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
+          call->Opened(request, host, rpc);
         });
     return call.get();
   }
@@ -82,19 +84,22 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   }
 
  private:
-  void Opened(const v1::WatchRequest& request, const Pass& pass,
-              const absl::StatusOr<MeshRegistry::HostPtr>& host, grpc::CallbackServerContext* rpc) {
+  void Opened(const v1::WatchRequest& request, const absl::StatusOr<MeshRegistry::HostPtr>& host,
+              grpc::CallbackServerContext* rpc) {
     absl::Status status = host.status();
-    if (status.ok()) status = Prepare(request, pass);
-    if (status.ok()) status = Begin(pass, *host, rpc);
+    if (status.ok()) status = Prepare(request);
+    if (status.ok()) status = Begin(*host, rpc);
     if (!Is(status, codec::reason::kCompacted)) return Begun(status);
     // The server does not hold that revision any more, but the journal may.
+    auto place = TakePlace(*context_, context_->pasts, pass_);
+    if (!place.ok()) return Begun(status);
+    past_place_ = *std::move(place);
     context_->registry->MakePast(
         *host, start_, cut_,
-        [call = self_, pass, host = *host, rpc,
-         status](absl::StatusOr<MeshRegistry::Past> past) mutable {
+        [call = self_, host = *host, rpc, status](absl::StatusOr<MeshRegistry::Past> past) mutable {
+          call->past_place_ = {};
           if (Is(past.status(), codec::reason::kDiverged)) status = past.status();
-          call->Begun(past.ok() ? call->BeginAfter(*std::move(past), pass, host, rpc) : status);
+          call->Begun(past.ok() ? call->BeginAfter(*std::move(past), host, rpc) : status);
         });
   }
 
@@ -112,30 +117,29 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     return error.has_value() && error->reason == reason;
   }
 
-  absl::Status Prepare(const v1::WatchRequest& request, const Pass& pass) {
+  absl::Status Prepare(const v1::WatchRequest& request) {
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
     if (!start.ok()) return start.status();
     start_ = *std::move(start);
     absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
     if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
-    absl::StatusOr<StreamPlace> place = TakeStream(*context_, context_->watchers, "watches", pass);
+    absl::StatusOr<StreamPlace> place = TakeStream(*context_, context_->watchers, pass_);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
     return absl::OkStatus();
   }
 
   // These diffs first, then what follows them.
-  absl::Status BeginAfter(MeshRegistry::Past past, const Pass& pass,
-                          const MeshRegistry::HostPtr& host, grpc::CallbackServerContext* rpc) {
+  absl::Status BeginAfter(MeshRegistry::Past past, const MeshRegistry::HostPtr& host,
+                          grpc::CallbackServerContext* rpc) {
     start_.revision = past.back()->to_revision;
     start_.hash = past.back()->hash;
     past_.assign(past.begin(), past.end());
-    return Begin(pass, host, rpc);
+    return Begin(host, rpc);
   }
 
-  absl::Status Begin(const Pass& pass, const MeshRegistry::HostPtr& host,
-                     grpc::CallbackServerContext* rpc) {
+  absl::Status Begin(const MeshRegistry::HostPtr& host, grpc::CallbackServerContext* rpc) {
     // The hub outlives a running wake-up; this call may not.
     const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
       if (const auto call = weak.lock()) call->Pump();
@@ -152,7 +156,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     }
     mesh_ = host->id();
     absl::StatusOr<Access::Stream> allowed =
-        context_->access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
+        context_->access->Open(pass_, Role::kRead, mesh_, CutWhenRevoked(rpc));
     if (!allowed.ok()) return allowed.status();
     allowed_ = *std::move(allowed);
     Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", host->hub()->size()}});
@@ -212,12 +216,12 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   // the number of filtered ones counts against the limit of snapshots.
   bool Filter(WatchItem& item) {
     if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
-      absl::StatusOr<Lease> lease = TakeStream(context_->snapshot_streams, "concurrent snapshots");
-      if (!lease.ok()) {
-        Finish(codec::ToGrpcStatus(lease.status()));
+      auto place = TakePlace(*context_, context_->snapshot_streams, pass_);
+      if (!place.ok()) {
+        Finish(codec::ToGrpcStatus(place.status()));
         return false;
       }
-      snapshot_lease_ = *std::move(lease);
+      snapshot_place_ = *std::move(place);
     }
     item = filter_->Apply(item);
     return true;
@@ -238,7 +242,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
       if (snapshot_->done()) {
         was_last_of_many_ = true;
         snapshot_.reset();  // releases the mesh before waiting
-        snapshot_lease_.Release();
+        snapshot_place_ = {};
       }
     } else if (diff_.has_value() && diff_->Next(event_.mutable_diff())) {
       if (diff_->done()) {
@@ -267,8 +271,10 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   std::shared_ptr<WatchCall> self_;  // until OnDone
   ServiceContext* context_ = nullptr;
   OpenSends::Sender sender_;
+  Pass pass_;
   StreamPlace place_;
-  std::string mesh_;  // for the log
+  SharedLimit::Place past_place_;  // while its past is made
+  std::string mesh_;               // for the log
   Access::Stream allowed_;
   std::mutex mutex_;
   bool cancelled_ = false;  // under mutex_
@@ -277,7 +283,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   std::deque<std::shared_ptr<const MeshDiff>> past_;  // to be sent before what the hub has
   std::shared_ptr<Subscription> subscription_;        // written under mutex_
   std::optional<WatchFilter> filter_;
-  Lease snapshot_lease_;  // of a filtered snapshot being sent
+  SharedLimit::Place snapshot_place_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;
   std::shared_ptr<const SharedEvents::Events> shared_;  // the diff being sent, if watches share it

@@ -39,6 +39,11 @@ absl::Status ValidateConnections(const ServerConfig& c) {
     return Bad("max-streams-per-connection", "must be at least 1");
   }
   if (c.max_connections == 0) return Bad("max-connections", "must be at least 1");
+  for (const auto& [field, rate] :
+       {std::pair{"max-new-connections-per-second", c.max_new_connections_per_second},
+        std::pair{"max-wasted-calls-per-second", c.max_wasted_calls_per_second}}) {
+    if (!(rate >= 0) || std::isinf(rate)) return Bad(field, "must be 0 or more");
+  }
   for (const auto& [field, duration] : {std::pair{"handshake-timeout", c.handshake_timeout},
                                         std::pair{"keepalive-interval", c.keepalive_interval},
                                         std::pair{"keepalive-timeout", c.keepalive_timeout},

@@ -85,6 +85,15 @@ struct ServerConfig {
   int max_streams_per_connection = 10'000;
   // Limit of all connections together. Further ones are closed at once.
   std::uint64_t max_connections = 20'000;
+  // The same of one address; an IPv6 network of 64 bits is one. 0: half of max_connections.
+  std::uint64_t max_connections_per_address = 0;
+  // New connections per second of one address, not counting those with an answered call. After a
+  // pause those of 0.4 s at once. Further ones wait. 0: no limit.
+  double max_new_connections_per_second = 20;
+  // Calls per second of one address, and the burst size, that are refused for their token or that
+  // the client cancels at once. Then the connections that they came on are cut, and new ones are
+  // refused for a second. 0: no limit.
+  double max_wasted_calls_per_second = 200;
   // For the TLS handshake and the first bytes of HTTP/2.
   absl::Duration handshake_timeout = absl::Seconds(20);
   // A client silent for keepalive_interval is pinged. It has keepalive_timeout to answer.

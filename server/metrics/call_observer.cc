@@ -1,9 +1,12 @@
 #include "server/metrics/call_observer.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +21,7 @@ using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::InterceptorBatchMethods;
 
 constexpr double kLongestCall = 1e5;  // seconds: watches last for hours
+constexpr std::chrono::milliseconds kLateCheck{5};
 constexpr std::size_t kCodes = 17;
 constexpr std::array<const char*, kCodes> kCodeNames = {
     "OK",       "Canceled",       "Unknown",          "InvalidArgument",   "DeadlineExceeded",
@@ -108,7 +112,10 @@ struct CallMetrics::Impl {
 
   Families families;
   FailedCalls failed;
+  CallJudge judge;
   WorkGate open;
+  WorkGate late;  // calls that came after it was closed
+  std::atomic<MetricsClock::rep> last_late{0};
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   std::unique_ptr<Method> other;
 };
@@ -136,7 +143,32 @@ CallMetrics::Method& CallMetrics::Find(const char* path) const {
 
 FailedCalls& CallMetrics::failed() const { return impl_->failed; }
 
+void CallMetrics::Judge(CallJudge judge) { impl_->judge = std::move(judge); }
+
+const CallJudge& CallMetrics::judge() const { return impl_->judge; }
+
 WorkGate& CallMetrics::open() const { return impl_->open; }
+
+WorkGate::Ticket CallMetrics::Enter() const {
+  WorkGate::Ticket ticket = impl_->open.Enter();
+  if (ticket != nullptr) return ticket;
+  impl_->last_late = MetricsClock::now().time_since_epoch().count();
+  return impl_->late.Enter();
+}
+
+bool CallMetrics::WaitQuiet(absl::Duration quiet, absl::Duration limit) const {
+  const auto end = MetricsClock::now() + absl::ToChronoNanoseconds(limit);
+  const auto start = MetricsClock::now();
+  const auto pause = absl::ToChronoNanoseconds(quiet);
+  while (true) {
+    const MetricsClock::time_point last(MetricsClock::duration(impl_->last_late.load()));
+    const auto quiet_at = std::max(start, last) + pause;
+    const auto now = MetricsClock::now();
+    if (now >= quiet_at && impl_->late.WaitEmpty(absl::ZeroDuration())) return true;
+    if (now >= end) return false;
+    std::this_thread::sleep_until(std::min(end, std::max(quiet_at, now + kLateCheck)));
+  }
+}
 
 namespace {
 
@@ -147,8 +179,9 @@ class CallObserver final : public grpc::experimental::Interceptor {
                grpc::ServerContextBase* context)
       : method_(method),
         failed_(metrics.failed()),
+        judge_(metrics.judge()),
         context_(context),
-        open_(method.is_ours ? metrics.open().Enter() : nullptr),
+        open_(method.is_ours ? metrics.Enter() : nullptr),
         start_(MetricsClock::now()) {
     method_.started.Add();
   }
@@ -166,19 +199,57 @@ class CallObserver final : public grpc::experimental::Interceptor {
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
       step->GetSendInitialMetadata()->emplace(kCallIdKey, id_);
     }
+    const bool ends = step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS);
+    if (!ends &&
+        step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      TellAnswered();
+    }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
       method_.sent.Add();
       // Serialises the message here; gRPC does not do so again.
       method_.sent_bytes.Add(step->GetSerializedSendMessage()->Length());
     }
-    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
+    if (ends) {
       const grpc::Status status = step->GetSendStatus();
       End(status, status.ok() || context_ == nullptr ? "" : context_->peer());
+      JudgeStatus(status.error_code());
     }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE)) JudgeClose();
     step->Proceed();
   }
 
  private:
+  // A client that cancels after less did not wait for an answer.
+  static constexpr double kAtOnce = 0.1;  // seconds
+
+  void TellAnswered() {
+    if (!method_.is_ours || context_ == nullptr || judge_.answered == nullptr) return;
+    if (judge_.wants_answered() && !told_answered_.exchange(true)) {
+      judge_.answered(context_->peer());
+    }
+  }
+  void TellWasted() {
+    if (context_ == nullptr || judge_.wasted == nullptr || told_wasted_.exchange(true)) return;
+    judge_.wasted(context_->peer());
+  }
+  void JudgeStatus(grpc::StatusCode code) {
+    if (!method_.is_ours || code == grpc::StatusCode::UNAUTHENTICATED) return TellWasted();
+    switch (code) {
+      case grpc::StatusCode::CANCELLED:
+      case grpc::StatusCode::UNKNOWN:
+      case grpc::StatusCode::INVALID_ARGUMENT:
+      case grpc::StatusCode::RESOURCE_EXHAUSTED:
+        return;
+      default:
+        return TellAnswered();
+    }
+  }
+  // Of other services not: asking a synchronous call would wait.
+  void JudgeClose() {
+    if (!method_.is_ours || context_ == nullptr || judge_.wasted == nullptr) return;
+    if (context_->IsCancelled() && SecondsSince(start_) < kAtOnce) TellWasted();
+  }
+
   using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
 
   // The id replaces the client's in the metadata, from which the handler of the call reads it.
@@ -202,11 +273,14 @@ class CallObserver final : public grpc::experimental::Interceptor {
 
   CallMetrics::Method& method_;
   FailedCalls& failed_;
+  const CallJudge& judge_;
   const grpc::ServerContextBase* const context_;  // ends before the observer does
   const WorkGate::Ticket open_;
   const MetricsClock::time_point start_;
   std::string id_;
   std::atomic<bool> ended_{false};
+  std::atomic<bool> told_answered_{false};
+  std::atomic<bool> told_wasted_{false};
 };
 
 class CallObservers final : public grpc::experimental::ServerInterceptorFactoryInterface {

@@ -53,6 +53,10 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
   } else if (!call.peer.empty()) {
     client = ClientAt(AddressOf(call.peer));
   }
+  std::string holders;
+  if (error.has_value() && error->metadata.contains("limit") && holders_ != nullptr) {
+    holders = holders_(error->metadata.at("limit"));
+  }
   Log(level, level == LogLevel::kInfo ? "call_refused" : "call_failed",
       {{"call", call.id},
        {"method", call.method},
@@ -60,6 +64,7 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
        {"reason", reason},
        {"client", client},
        {"peer", call.peer},
+       {"holders", holders},
        {"left_out", left_out},
        {"message", status.error_message()}});
 }

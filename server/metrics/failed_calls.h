@@ -7,10 +7,12 @@
 #include <grpcpp/support/status.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/strings/string_view.h"
 #include "server/metrics/metrics.h"
@@ -21,6 +23,13 @@ namespace dynmesh::server {
 class FailedCalls {
  public:
   explicit FailedCalls(MetricRegistry& registry);
+
+  // `holders` gives the clients that have most of a limit, by the limit's name in an error's
+  // metadata, for the log only: the refused client does not learn the names of others. Before any
+  // call.
+  void NameHolders(std::function<std::string(const std::string& limit)> holders) {
+    holders_ = std::move(holders);
+  }
 
   struct Call {
     absl::string_view id;
@@ -43,6 +52,7 @@ class FailedCalls {
   std::optional<std::uint64_t> TakeLine(const std::string& reason);
 
   MetricFamily<Counter>& by_reason_;
+  std::function<std::string(const std::string&)> holders_;
   std::mutex mutex_;
   std::map<std::string, Told> told_;  // by reason; few reasons exist
 };

@@ -201,7 +201,7 @@ class Service {
   std::string DoEdits(const Request& request) {
     const auto host = registry_.Find(request.mesh());
     if (!host.ok()) return CheckRefusal(host.status());
-    auto taken = server::TakeEditRequest(context_, *host, request);
+    auto taken = server::TakeEditRequest(context_, server::Pass(), *host, request);
     if (!taken.ok()) return CheckRefusal(taken.status());
     return Run(taken->host->id(), std::move(taken->job));
   }
@@ -213,7 +213,7 @@ class Service {
       stream_host_ = *host;
     }
     if (!partial_.has_value()) partial_.emplace(message);
-    partial_->Add(context_, message, stream_host_->mesh_options().dimension);
+    partial_->Add(context_, server::Pass(), message, stream_host_->mesh_options().dimension);
     if (message.more()) return "";
     EditJob job = std::move(partial_->job);
     partial_.reset();

@@ -1,7 +1,9 @@
 // The end of a server: in order, with a short limit, abrupt.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
+#include <vector>
 
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
@@ -69,9 +71,33 @@ TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
   std::thread editor([&] { running.Put(client_->Apply("m", {AddPoint(1)})); });
   gate_->WaitForArrivals(1);
   EXPECT_FALSE(server_->Drain(absl::Milliseconds(20)));
-  EXPECT_FALSE(running.Take().ok());
+  const auto result = running.Take();
+  EXPECT_EQ(ReasonOf(result.status()), codec::reason::kDraining) << Text(result.status());
   EXPECT_EQ(host->head().revision, 0u);
   editor.join();
+}
+
+// One after the other on one connection: each is applied, or refused for the drain.
+TEST_F(DrainTest, EditsThatComeDuringADrainGetItsReason) {
+  for (int round = 0; round < 5; ++round) {
+    StartWithMesh();
+    std::vector<std::thread> editors;
+    std::atomic<int> applied{0};
+    for (FeatureId first : {1, 1000, 2000, 3000}) {
+      editors.emplace_back([&, first] {
+        const auto client = client::MeshClient::Connect(server_->address());
+        absl::Status status;
+        for (FeatureId id = first; status.ok(); ++id) {
+          status = client->Apply("m", {AddPoint(id)}).status();
+          if (status.ok()) ++applied;
+        }
+        EXPECT_EQ(ReasonOf(status), codec::reason::kDraining) << Text(status);
+      });
+    }
+    test::WaitUntil("edits", [&] { return applied > 20; });
+    EXPECT_TRUE(server_->Drain(kLong));
+    for (std::thread& editor : editors) editor.join();
+  }
 }
 
 // It answers nothing, like a client's connection without a call. gRPC would wait for an answer to

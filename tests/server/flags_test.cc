@@ -123,6 +123,41 @@ TEST(Flags, NumbersOutOfTheirRangeAreRefusedWithKeyValueAndLine) {
   EXPECT_GT(numbers, 25);
 }
 
+TEST(Flags, TimesHaveUnitsOrAreSeconds) {
+  for (const auto& [text, time] :
+       {std::pair{"8", absl::Seconds(8)}, std::pair{"8s", absl::Seconds(8)},
+        std::pair{"0.5", absl::Milliseconds(500)}, std::pair{"500ms", absl::Milliseconds(500)},
+        std::pair{"1h30m", absl::Minutes(90)}, std::pair{"0", absl::ZeroDuration()},
+        std::pair{"24h", absl::Hours(24)}}) {
+    const Parsed flag = Parse({(std::string("--send-timeout=") + text).c_str()});
+    ASSERT_FALSE(flag.code.has_value()) << flag.error;
+    EXPECT_EQ(flag.flags->config.send_timeout, time) << text;
+    const Parsed file = ParseFile(std::string("send-timeout = ") + text + "\n");
+    ASSERT_FALSE(file.code.has_value()) << file.error;
+    EXPECT_EQ(file.flags->config.send_timeout, time) << text;
+  }
+  const Parsed bare = Parse({});
+  int times = 0;
+  for (const CLI::Option* option : bare.app->get_options()) {
+    if (option->get_type_name() != "TIME") continue;
+    const std::string key = option->get_single_name();
+    EXPECT_FALSE(Parse({("--" + key + "=2s").c_str()}).code.has_value()) << key;
+    for (const std::string value : {"-1", "-1s", "25h", "8x", "s", "1e300", "nan", "inf", "8s8"}) {
+      const Parsed bad = Parse({("--" + key + "=" + value).c_str()});
+      EXPECT_EQ(bad.code, 2) << key << "=" << value;
+      EXPECT_NE(bad.error.find(" event=bad_option key=" + key + " value=" + value +
+                               " message=\"is not a time from "),
+                std::string::npos)
+          << bad.error;
+      EXPECT_NE(bad.error.find("to 24h: give seconds, or a unit, as 8s, 500ms or 10m"),
+                std::string::npos)
+          << bad.error;
+    }
+    ++times;
+  }
+  EXPECT_EQ(times, 11);
+}
+
 TEST(Flags, LimitsOfRangesAreTaken) {
   EXPECT_FALSE(Parse({"--drain-timeout=0", "--send-timeout=0", "--max-watchers=0",
                       "--max-memory-bytes=1000000000000000", "--max-message-bytes=2147483647",

@@ -17,12 +17,16 @@ namespace dynmesh::test {
 
 class RawConnection {
  public:
-  // A small buffer, so that what is not read stays with the server.
-  explicit RawConnection(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+  // A small buffer, so that what is not read stays with the server. `from`: this machine's address
+  // that the server sees, such as 127.0.0.2.
+  explicit RawConnection(int port, const char* from = "127.0.0.1")
+      : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
     const int bytes = 4096;
     setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    inet_pton(AF_INET, from, &address.sin_addr);
+    if (bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) Close();
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) Close();
@@ -43,6 +47,16 @@ class RawConnection {
     while (sent < bytes.size()) {
       const ssize_t n =
           send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n <= 0) return false;
+      sent += static_cast<std::size_t>(n);
+    }
+    return true;
+  }
+  // Blocks until all is sent. False after the server has closed.
+  bool SendAll(const std::string& bytes) {
+    std::size_t sent = 0;
+    while (sent < bytes.size()) {
+      const ssize_t n = send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
       if (n <= 0) return false;
       sent += static_cast<std::size_t>(n);
     }
@@ -85,6 +99,9 @@ class RawConnection {
   bool Greet() { return Send("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + Frame(4, 0, 0, "")); }
   // Begins a call of the service.
   bool Call(std::uint32_t stream, const std::string& method) {
+    return Send(CallFrame(stream, method));
+  }
+  static std::string CallFrame(std::uint32_t stream, const std::string& method) {
     std::string headers;
     const auto add = [&headers](const std::string& name, const std::string& value) {
       headers += '\0';  // a literal that is not remembered, its name spelled out
@@ -97,7 +114,12 @@ class RawConnection {
     add(":authority", "127.0.0.1");
     add("te", "trailers");
     add("content-type", "application/grpc");
-    return Send(Frame(1, 4, stream, headers));
+    return Frame(1, 4, stream, headers);
+  }
+  // Ends it, as a client that is not interested any more.
+  static std::string ResetFrame(std::uint32_t stream) {
+    constexpr int kCancel = 8;
+    return Frame(3, 0, stream, Number(kCancel, 4));
   }
   // A message, the call's last one if `end`.
   bool Message(std::uint32_t stream, const std::string& proto, bool end) {

@@ -232,7 +232,7 @@ TEST_F(AccessTest, StreamsEndWithTheirRights) {
   int edits = 0, reads = 0, others = 0, closed = 0;
   const Pass pass = *Admit("a");
   const auto open = [&](const Pass& p, Role role, int* count) {
-    return access_->Open(p, role, "m", [count] { ++*count; });
+    return access_->Open(p, role, "m", [count](const std::string&) { ++*count; });
   };
   const auto editing = open(pass, Role::kEdit, &edits);
   const auto reading = open(pass, Role::kRead, &reads);

@@ -2,12 +2,18 @@
 // has not grown, and nothing has changed.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <fstream>
 #include <random>
+#include <thread>
+#include <vector>
 
+#include "proto/codec/token_hash.h"
 #include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/raw_http2.h"
 #include "tests/support/seed.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::server {
 namespace {
@@ -102,6 +108,56 @@ TEST_F(HostileTest, ConnectionsAboveTheLimitAreClosedAtOnce) {
     return client::MeshClient::Connect(server_->address(), options)->GetMesh("m").ok();
   }));
   ExpectServed();
+}
+
+// Calls that are begun and reset, on one connection after the other, from another address of this
+// machine. gRPC does not count them, and the calls of others would wait behind all of them.
+TEST_F(HostileTest, CallsThatAreResetAtOnceAreCutOffAndDelayNoOtherAddress) {
+  test::TempFolder folder;
+  std::ofstream(folder.path() + "/tokens")
+      << "lab " << codec::ToHex(codec::HashToken("lab")) << " admin=*\n";
+  ServerConfig config;
+  config.tokens_file = folder.path() + "/tokens";
+  config.max_new_connections_per_second = 1;
+  config.max_wasted_calls_per_second = 100;
+  StartServer(config);
+  constexpr std::uint32_t kCalls = 4'000;
+  std::string calls;
+  for (std::uint32_t i = 0; i < kCalls; ++i) {
+    calls += RawConnection::CallFrame(2 * i + 1, "GetMesh") + RawConnection::ResetFrame(2 * i + 1);
+  }
+  std::atomic<bool> done{false};
+  std::atomic<std::uint64_t> attacks{0};
+  const auto attack = [&] {
+    while (!done) {
+      RawConnection connection(server_->port(), "127.0.0.2");
+      if (!connection.connected() || !connection.Greet()) continue;
+      // The server cuts it in the middle, or soon after, or has refused it.
+      connection.SendAll(calls);
+      ++attacks;
+      connection.WaitForClose(20'000);
+    }
+  };
+  std::vector<std::thread> attackers;
+  for (int i = 0; i < 4; ++i) attackers.emplace_back(attack);
+  // Others are served meanwhile, again and again, on new connections.
+  client::ClientOptions options;
+  options.own_connection = true;
+  options.token = "lab";
+  options.timeout = kLong;
+  int served = 0;
+  while (served < 20 || attacks < 100) {
+    const auto client = client::MeshClient::Connect(server_->address(), options);
+    ASSERT_TRUE(client->ListMeshes().ok());
+    ++served;
+  }
+  done = true;
+  for (std::thread& attacker : attackers) attacker.join();
+  // Without the limits, nearly all of the calls would be begun.
+  const ConnectionTable::Counts counts = server_->connections();
+  EXPECT_GT(counts.cut, 0u);
+  EXPECT_GT(counts.refused, 0u);
+  EXPECT_LT(counts.wasted, kCalls * attacks / 5);
 }
 
 TEST_F(HostileTest, AWatchWhoseClientVanishedIsForgotten) {

@@ -444,6 +444,142 @@ TEST_F(TokenTest, OnlyWhoMayMakeAnyMeshLetsTheServerChooseItsId) {
   EXPECT_EQ(ReasonOf(As("lab")->CreateMesh("", {}).status()), codec::reason::kRoleMissing);
 }
 
+// Ids of requests are a client's own, and a mesh with a name is another content than one without.
+TEST_F(TokenTest, ARequestIdFindsNoMeshThatAnotherClientMade) {
+  StartWithTokens({Line("one", "admin=*"), Line("two", "admin=*")});
+  const auto make = [this](const char* token, const char* id) {
+    return As(token)->CreateMesh(id, {}, "r1");
+  };
+  const auto named = make("one", "plate");
+  ASSERT_TRUE(named.ok()) << Text(named.status());
+  EXPECT_EQ(make("one", "plate")->id, "plate");  // a retry
+  const auto fresh = make("one", "");
+  ASSERT_TRUE(fresh.ok()) << Text(fresh.status());
+  EXPECT_NE(fresh->id, "plate");
+  EXPECT_EQ(make("one", "")->id, fresh->id);
+  const auto other = make("two", "");
+  ASSERT_TRUE(other.ok()) << Text(other.status());
+  EXPECT_NE(other->id, "plate");
+  EXPECT_NE(other->id, fresh->id);
+  EXPECT_EQ(make("two", "")->id, other->id);
+  EXPECT_EQ(ReasonOf(make("two", "plate").status()), codec::reason::kMeshExists);
+}
+
+// What one client takes of a limit that all share leaves the others a half.
+class ShareTest : public TokenTest {
+ protected:
+  void Start(const std::vector<std::string>& tokens) {
+    ServerConfig config;
+    config.max_snapshot_streams = 4;
+    config.max_builds = 4;
+    config.max_batch_edits = 10;
+    config.max_pending_edits = 40;
+    std::vector<std::string> lines;
+    for (const std::string& token : tokens) lines.push_back(Line(token, "admin=*"));
+    StartWithTokens(lines, config);
+    ASSERT_TRUE(As(tokens.front())->CreateMesh("m", {}).ok());
+  }
+
+  // A build that has sent its first message and no more.
+  struct Build {
+    grpc::ClientContext context;
+    std::unique_ptr<grpc::ClientReaderWriter<v1::BuildMeshRequest, v1::BuildMeshResponse>> stream;
+  };
+  std::unique_ptr<Build> BeginBuild(const std::string& token, int features) {
+    auto build = std::make_unique<Build>();
+    build->context.AddMetadata("authorization", "Bearer " + token);
+    build->stream = stub_->BuildMesh(&build->context);
+    v1::BuildMeshRequest request;
+    codec::EncodeOptions(MeshOptions(), request.mutable_options());
+    request.mutable_options()->clear_max_vertices();
+    for (int i = 0; i < features; ++i) {
+      request.mutable_points()->add_ids(static_cast<std::uint64_t>(i) + 1);
+      for (int axis = 0; axis < 2; ++axis)
+        request.mutable_points()->add_coordinates(0.1 + 0.05 * i);
+    }
+    build->stream->Write(request);
+    return build;
+  }
+  static void Cancel(const std::vector<std::unique_ptr<Build>>& builds) {
+    for (const auto& build : builds) build->context.TryCancel();
+    for (const auto& build : builds) EXPECT_FALSE(RefusalOf(*build).ok());
+  }
+  static absl::Status RefusalOf(Build& build) {
+    v1::BuildMeshResponse response;
+    while (build.stream->Read(&response)) {
+    }
+    return codec::FromGrpcStatus(build.stream->Finish());
+  }
+};
+
+TEST_F(ShareTest, OfBuildsOneClientGetsHalfAndTheLogNamesTheHolders) {
+  Start({"greedy", "other"});
+  std::vector<std::unique_ptr<Build>> builds;
+  EXPECT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 2; ++i) builds.push_back(BeginBuild("greedy", 1));
+  absl::Status refused;
+  // The first ones may not have begun yet.
+  test::WaitUntil("a refusal", [&] {
+    const auto third = BeginBuild("greedy", 1);
+    third->stream->WritesDone();
+    refused = RefusalOf(*third);
+    return ReasonOf(refused) == codec::reason::kClientStreamLimit;
+  });
+  const auto error = codec::GetServiceError(refused);
+  EXPECT_EQ(error->metadata.at("client"), "token greedy");
+  EXPECT_EQ(error->metadata.at("limit"), "concurrent builds");
+  EXPECT_NE(Text(refused).find("2 of 4"), std::string::npos) << Text(refused);
+  for (int i = 0; i < 2; ++i) builds.push_back(BeginBuild("other", 1));
+  test::WaitUntil("all places to be taken", [&] {
+    const auto fifth = BeginBuild("other", 1);
+    fifth->stream->WritesDone();
+    refused = RefusalOf(*fifth);
+    return ReasonOf(refused) == codec::reason::kStreamLimit;
+  });
+  // Names of others are for the log.
+  EXPECT_EQ(Text(refused).find("greedy"), std::string::npos) << Text(refused);
+  const auto of_all = codec::GetServiceError(refused);
+  for (const auto& [key, value] : of_all->metadata) {
+    EXPECT_EQ(value.find("greedy"), std::string::npos) << key;
+  }
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("holders=\"token other 2, token greedy 2\""), std::string::npos) << log;
+  Cancel(builds);
+}
+
+TEST_F(ShareTest, EditsThatWaitCountFromTheFirstPartOfABatch) {
+  Start({"greedy", "other"});
+  std::vector<std::unique_ptr<Build>> builds;
+  for (int i = 0; i < 2; ++i) builds.push_back(BeginBuild("greedy", 10));
+  absl::Status refused;
+  test::WaitUntil("a refusal", [&] {
+    refused = As("greedy")->Apply("m", {AddPoint(1)}).status();
+    return !refused.ok();
+  });
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kPendingLimit);
+  EXPECT_EQ(codec::GetServiceError(refused)->metadata.at("client"), "token greedy");
+  EXPECT_NE(Text(refused).find("20 of 40"), std::string::npos) << Text(refused);
+  EXPECT_TRUE(As("other")->Apply("m", {AddPoint(2), AddPoint(3)}).ok());
+  Cancel(builds);
+  test::WaitUntil("the places", [&] { return As("greedy")->Apply("m", {AddPoint(1)}).ok(); });
+}
+
+TEST_F(ShareTest, ASingleTokenMayHaveAll) {
+  Start({"only"});
+  std::vector<std::unique_ptr<Build>> builds;
+  for (int i = 0; i < 4; ++i) builds.push_back(BeginBuild("only", 10));
+  absl::Status refused;
+  test::WaitUntil("a refusal", [&] {
+    refused = As("only")->Apply("m", {AddPoint(1)}).status();
+    return !refused.ok();
+  });
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kPendingLimit);
+  EXPECT_FALSE(codec::GetServiceError(refused)->metadata.contains("client"));
+  Cancel(builds);
+}
+
 TEST_F(TokenTest, TwoTokensAtOnceAreNone) {
   StartWithTokens({Line("root", "admin=*")});
   grpc::ClientContext context;
@@ -466,7 +602,11 @@ TEST_F(TokenTest, TakingATokenOutEndsItsStreamsAndNoOthers) {
   ASSERT_TRUE(goes->WaitForRevision(1, kLong));
   Tokens({Line("root", "admin=*")});  // the ticker sees it
   EXPECT_FALSE(edits->Receive().has_value());
-  EXPECT_EQ(edits->Finish().code(), StatusCode::kUnavailable);
+  const absl::Status ended = edits->Finish();
+  EXPECT_EQ(ended.code(), StatusCode::kUnavailable);
+  EXPECT_NE(ended.message().find("TOKEN_UNKNOWN: the token lab was removed"),
+            absl::string_view::npos)
+      << Text(ended);
   EXPECT_EQ(ReasonOf(lab->OpenEdits("m")->Finish()), codec::reason::kTokenUnknown);
   goes->WaitFor([](const auto&) { return false; }, kLong);
   ASSERT_TRUE(goes->ended().has_value());

@@ -1,0 +1,231 @@
+#include "server/access/connection_table.h"
+
+#include <algorithm>
+
+namespace dynmesh::server {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// While an address has had too many wasted calls.
+constexpr seconds kBlocked{1};
+// Between two sweeps of an address that has no room.
+constexpr milliseconds kBetweenSweeps{50};
+// Wasted calls of a second for which a connection with an answered call is cut, too: others may
+// share it by a proxy.
+constexpr std::uint64_t kWastedOfAnswered = 100;
+
+double SecondsOf(ConnectionTable::Clock::duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+
+}  // namespace
+
+double ConnectionTable::Bucket::Most(double rate) const { return std::max(1.0, seconds_ * rate); }
+
+void ConnectionTable::Bucket::Fill(double rate, Time now) {
+  const double most = Most(rate);
+  if (!left_.has_value()) {
+    left_ = most;
+  } else if (now > filled_) {
+    left_ = std::min(most, *left_ + rate * SecondsOf(now - filled_));
+  }
+  filled_ = now;
+}
+
+bool ConnectionTable::Bucket::Take(double rate, Time now) {
+  if (rate == 0) return true;
+  Fill(rate, now);
+  if (*left_ < 1) return false;
+  *left_ -= 1;
+  return true;
+}
+
+void ConnectionTable::Bucket::GiveBack(double rate) {
+  if (left_.has_value()) left_ = std::min(Most(rate), *left_ + 1);
+}
+
+bool ConnectionTable::Bucket::IsFull(double rate, Time now) {
+  if (rate == 0) return true;
+  Fill(rate, now);
+  return *left_ >= Most(rate);
+}
+
+ConnectionTable::Address& ConnectionTable::AddressOfLocked(const PeerKey& peer, Time now) {
+  if (addresses_.size() >= sweep_at_) ForgetAddressesLocked(now);
+  std::unique_ptr<Address>& address = addresses_[ClientKeyOf(peer)];
+  if (address == nullptr) address = std::make_unique<Address>();
+  return *address;
+}
+
+// An address with full buckets and without a connection equals a new one.
+void ConnectionTable::ForgetAddressesLocked(Time now) {
+  absl::erase_if(addresses_, [&](auto& entry) {
+    Address& address = *entry.second;
+    return address.waiting.empty() && address.descriptors.empty() && now >= address.blocked_until &&
+           address.fresh.IsFull(limits_.new_per_second, now) &&
+           address.wasted.IsFull(limits_.wasted_per_second, now);
+  });
+  sweep_at_ = std::max<std::size_t>(1024, 2 * addresses_.size());
+}
+
+bool ConnectionTable::MayEnterLocked(Address& address, Time now) {
+  return address.fresh.Take(limits_.new_per_second, now);
+}
+
+ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time now) {
+  const std::lock_guard lock(mutex_);
+  Address& address = AddressOfLocked(connection.peer, now);
+  const auto is_full = [&] {
+    return address.descriptors.size() + address.waiting.size() >= limits_.per_address;
+  };
+  if (is_full() && now - address.swept >= kBetweenSweeps) {
+    address.swept = now;
+    SweepLocked(address);
+  }
+  if (now < address.blocked_until || is_full() || address.waiting.size() >= kMostWaiting) {
+    ++counts_.refused;
+    return Arrival::kRefused;
+  }
+  if (address.waiting.empty() && MayEnterLocked(address, now)) return Arrival::kEnters;
+  address.waiting.push_back(connection);
+  ++counts_.waiting;
+  return Arrival::kWaits;
+}
+
+void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket) {
+  const std::lock_guard lock(mutex_);
+  ForgetLocked(socket.descriptor);
+  AddressOfLocked(peer, Clock::now()).descriptors.insert(socket.descriptor);
+  Connection connection;
+  connection.peer = peer;
+  connection.cookie = socket.cookie;
+  connections_.insert_or_assign(socket.descriptor, connection);
+  descriptors_.insert_or_assign(peer, socket.descriptor);
+  unanswered_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void ConnectionTable::ForgetLocked(int descriptor) {
+  const auto it = connections_.find(descriptor);
+  if (it == connections_.end()) return;
+  const PeerKey peer = it->second.peer;
+  if (!it->second.is_answered) unanswered_.fetch_sub(1, std::memory_order_relaxed);
+  if (const auto address = addresses_.find(ClientKeyOf(peer)); address != addresses_.end()) {
+    address->second->descriptors.erase(descriptor);
+  }
+  // The client may have opened another one from the same port.
+  const auto named = descriptors_.find(peer);
+  if (named != descriptors_.end() && named->second == descriptor) descriptors_.erase(named);
+  connections_.erase(it);
+}
+
+void ConnectionTable::SweepLocked(const Address& address) {
+  std::vector<int> closed;
+  for (const int descriptor : address.descriptors) {
+    if (!system_.is_open({descriptor, connections_.at(descriptor).cookie})) {
+      closed.push_back(descriptor);
+    }
+  }
+  for (const int descriptor : closed) ForgetLocked(descriptor);
+}
+
+void ConnectionTable::Sweep() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, address] : addresses_) SweepLocked(*address);
+}
+
+ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
+                                                  const std::function<Sender(int)>& look) {
+  Ready ready;
+  const std::lock_guard lock(mutex_);
+  if (counts_.waiting == 0) return ready;
+  for (auto& [key, address] : addresses_) {
+    const bool is_blocked = now < address->blocked_until;
+    bool has_room = true;
+    std::deque<Waiting> stay;
+    for (; !address->waiting.empty(); address->waiting.pop_back()) {
+      const Waiting& waiting = address->waiting.back();
+      const Sender sender = is_blocked ? Sender::kLeft : look(waiting.socket);
+      const bool is_late = now - waiting.since >= limits_.silence;
+      if (sender == Sender::kLeft || (sender == Sender::kSilent && is_late)) {
+        ready.close.push_back(waiting.socket);
+        continue;
+      }
+      has_room = has_room && (sender == Sender::kSilent || MayEnterLocked(*address, now));
+      if (sender == Sender::kReady && has_room) {
+        ready.enter.push_back(waiting);
+      } else {
+        stay.push_front(waiting);
+      }
+    }
+    address->waiting = std::move(stay);
+  }
+  counts_.waiting -= ready.enter.size() + ready.close.size();
+  return ready;
+}
+
+bool ConnectionTable::HasWaiting() const {
+  const std::lock_guard lock(mutex_);
+  return counts_.waiting > 0;
+}
+
+std::vector<int> ConnectionTable::TakeWaiting() {
+  std::vector<int> sockets;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, address] : addresses_) {
+    for (const Waiting& waiting : address->waiting) sockets.push_back(waiting.socket);
+    address->waiting.clear();
+  }
+  counts_.waiting = 0;
+  return sockets;
+}
+
+bool ConnectionTable::Answered(const PeerKey& peer, Time now) {
+  const std::lock_guard lock(mutex_);
+  const auto named = descriptors_.find(peer);
+  if (named == descriptors_.end()) return false;
+  Connection& connection = connections_.at(named->second);
+  if (connection.is_answered || connection.is_cut) return false;
+  connection.is_answered = true;
+  unanswered_.fetch_sub(1, std::memory_order_relaxed);
+  Address& address = AddressOfLocked(peer, now);
+  address.fresh.GiveBack(limits_.new_per_second);
+  return !address.waiting.empty();
+}
+
+bool ConnectionTable::Wasted(const PeerKey& peer, Time now) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.wasted;
+  Address& address = AddressOfLocked(peer, now);
+  const bool is_within = address.wasted.Take(limits_.wasted_per_second, now);
+  if (!is_within) address.blocked_until = now + kBlocked;
+  const auto named = descriptors_.find(peer);
+  if (named == descriptors_.end()) return false;
+  Connection& connection = connections_.at(named->second);
+  if (connection.is_cut) return false;  // the call was under way
+  if (now - connection.second >= seconds(1)) {
+    connection.second = now;
+    connection.wasted = 0;
+  }
+  ++connection.wasted;
+  if (is_within || (connection.is_answered && connection.wasted < kWastedOfAnswered)) return false;
+  connection.is_cut = true;
+  ++counts_.cut;
+  system_.cut({named->second, connection.cookie});
+  return true;
+}
+
+ConnectionTable::Counts ConnectionTable::counts() const {
+  const std::lock_guard lock(mutex_);
+  Counts counts = counts_;
+  counts.open = connections_.size();
+  return counts;
+}
+
+std::size_t ConnectionTable::addresses() const {
+  const std::lock_guard lock(mutex_);
+  return addresses_.size();
+}
+
+}  // namespace dynmesh::server
