@@ -5,8 +5,9 @@
 // A registry with one mesh of labelled points and a journal in SQLite, in a folder of the working
 // directory that is removed. In each round the points' labels change until a snapshot is due; then
 // points are added and removed, one an edit, until the journal has the snapshot, and for a second
-// more. Of these edits: the processor time of the mesh's strand and the wall time until the strand
-// is free again. The server has one writing thread, so the strand's time is that thread's.
+// more. Of these edits: the processor time of the mesh's strand until the answer; what the strand
+// does behind the answer to any batch, which the next one waits for; and the wall time until the
+// strand is free again. The server has one writing thread, so the strand's time is that thread's.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -32,8 +33,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Milliseconds of a batch: the strand's processor time before its answer, and behind it, which the
+// next batch waits for; the wall time of all.
 struct Cost {
-  double strand = 0, wall = 0;  // milliseconds
+  double strand = 0, behind = 0, wall = 0;
 };
 
 class Bench {
@@ -51,20 +54,21 @@ class Bench {
     host_ = *registry_->Create("m", options, "");
   }
 
-  // One batch, and what the strand does after it.
   Cost Apply(EditBatch edits) {
     const double before = Strand();
     const auto start = Clock::now();
-    std::promise<absl::Status> done;
+    std::promise<double> answered;
     EditJob job;
     job.edits = std::move(edits);
-    job.done = [&done](absl::StatusOr<EditOutcome> outcome) { done.set_value(outcome.status()); };
+    job.done = [&answered](absl::StatusOr<EditOutcome> outcome) {
+      if (!outcome.ok()) std::printf("%s\n", outcome.status().ToString().c_str());
+      answered.set_value(ThreadSeconds());
+    };
     host_->ApplyUnbounded(std::move(job));
-    const absl::Status status = done.get_future().get();
-    if (!status.ok()) std::printf("%s\n", status.ToString().c_str());
+    const double answer = answered.get_future().get();
     const double after = Strand();
     const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-    return {1e3 * (after - before), wall};
+    return {1e3 * (answer - before), 1e3 * (after - answer), wall};
   }
   // Entries and snapshot that a recovery would read.
   std::uint64_t entries() { return journal_->List()->front().entries; }
@@ -116,12 +120,8 @@ void Print(const char* what, std::vector<double> values) {
 void Round(Bench& bench, FeatureId points, int round) {
   const std::uint64_t before = bench.entries();
   const std::uint64_t revision = bench.stats().revision;
-  std::vector<double> strand, wall;
-  const auto note = [&](const Cost& cost) {
-    strand.push_back(cost.strand);
-    wall.push_back(cost.wall);
-  };
-  // A tenth of the labels a batch; the strand's work after the answer of one is the next edit's.
+  std::vector<double> strand, behind, wall;
+  // A tenth of the labels a batch.
   constexpr FeatureId kParts = 10;
   std::uint64_t applied = 0;
   bool is_there = false;
@@ -129,9 +129,15 @@ void Round(Bench& bench, FeatureId points, int round) {
   for (int k = 0; Clock::now() < end; ++k) {
     if (!is_there && k % 40 == 0 && applied < 3 * kParts) {
       const FeatureId part = applied++ % kParts;
-      bench.Apply(Labels(1 + part * points / kParts, 1 + (part + 1) * points / kParts, round));
+      behind.push_back(
+          bench.Apply(Labels(1 + part * points / kParts, 1 + (part + 1) * points / kParts, round))
+              .behind);
     }
-    note(bench.Apply({k % 2 == 0 ? bench.AddPoint(points + 1) : Edit::Remove(points + 1)}));
+    const Cost cost =
+        bench.Apply({k % 2 == 0 ? bench.AddPoint(points + 1) : Edit::Remove(points + 1)});
+    strand.push_back(cost.strand);
+    behind.push_back(cost.behind);
+    wall.push_back(cost.wall);
     if (is_there || k % 10 != 0) continue;
     is_there = bench.entries() < before + (bench.stats().revision - revision);
     if (is_there) end = Clock::now() + std::chrono::seconds(1);
@@ -139,7 +145,8 @@ void Round(Bench& bench, FeatureId points, int round) {
   if (strand.size() % 2 == 1) bench.Apply({Edit::Remove(points + 1)});
   std::printf("round %d, %zu edits beside a snapshot%s", round, strand.size(),
               is_there ? "" : " THAT DID NOT COME");
-  Print("strand", strand);
+  Print("strand before the answer", strand);
+  Print("behind any answer", behind);
   Print("wall", wall);
   std::printf("\n");
   std::fflush(stdout);

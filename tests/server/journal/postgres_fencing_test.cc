@@ -84,6 +84,7 @@ TEST_F(PostgresFencingTest, AnEarlierOwnerSweepsNothingOfItsSuccessor) {
   // Parts of another content, as a former owner's: no snapshot.
   EXPECT_TRUE(
       absl::IsUnavailable(postgres::SwitchOver(*session, key_, kPresent, 1, {"p", "other"}, 0)));
+  session.reset();  // with its transaction
   auto third = *postgres::Session::Connect(
       absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
   ASSERT_TRUE(postgres::SwitchOver(*third, key_, kPresent, 1, {"p", "q"}, 0).ok());
