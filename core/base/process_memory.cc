@@ -56,7 +56,7 @@ void NoticeHeap(std::uintptr_t end_of_block) {
 }
 
 // Null if there is no memory.
-void* Allocate(std::size_t bytes, std::size_t alignment) {
+[[maybe_unused]] void* Allocate(std::size_t bytes, std::size_t alignment) {
   void* const block = alignment <= alignof(std::max_align_t) ? std::malloc(bytes)
                                                              : std::aligned_alloc(alignment, bytes);
   const auto begin = reinterpret_cast<std::uintptr_t>(block), end = begin + bytes;
@@ -91,7 +91,7 @@ void SetUpHeap(MemoryUse) {}
 #endif
 
 // As the standard says of operator new.
-void* AllocateOrThrow(std::size_t bytes, std::size_t alignment) {
+[[maybe_unused]] void* AllocateOrThrow(std::size_t bytes, std::size_t alignment) {
   while (true) {
     if (void* const block = Allocate(bytes, alignment)) return block;
     const std::new_handler handler = std::get_new_handler();

@@ -23,6 +23,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cli/percentile.h"
+#include "core/base/process_memory.h"
 #include "core/dynamic_mesh/live_mesh.h"
 #include "core/io/plane/planar_input.h"
 #include "tests/bench/thread_clock.h"
@@ -404,6 +405,7 @@ void PrintRebuild(const Input& input, double rho) {
 }  // namespace dynmesh
 
 int main(int argc, char** argv) {
+  dynmesh::SetUpMemory(dynmesh::MemoryUse::kCommand);  // as `dynmesh` does
   using namespace dynmesh;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // tables take minutes
   const std::string_view mode = argc > 1 ? argv[1] : "";

@@ -36,6 +36,7 @@
 #include <vector>
 
 #include "client/cli/percentile.h"
+#include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/bench/child_process.h"
 #include "tests/support/temp_folder.h"
@@ -328,6 +329,7 @@ void Register() {
 }  // namespace dynmesh
 
 int main(int argc, char** argv) {
+  dynmesh::SetUpMemory(dynmesh::MemoryUse::kCommand);  // as `dynmesh` does
   const dynmesh::Programs programs = dynmesh::TakePrograms(&argc, argv);
   dynmesh::RegisterProcesses(programs);
   dynmesh::Register();

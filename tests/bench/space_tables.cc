@@ -21,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/numbers.h"
 #include "client/cli/percentile.h"
+#include "core/base/process_memory.h"
 #include "core/io/space/space_input.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/bench/thread_clock.h"
@@ -155,6 +156,7 @@ absl::StatusOr<std::vector<Feature>> PointsOf(const std::string& input) {
 }  // namespace dynmesh
 
 int main(int argc, char** argv) {
+  dynmesh::SetUpMemory(dynmesh::MemoryUse::kCommand);  // as `dynmesh` does
   using namespace dynmesh;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // rows take a while
   std::printf("%-24s %8s %8s | %8s %8s %5s | %6s | %7s %7s %7s %7s\n", "input", "points",
