@@ -6,6 +6,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "client/cleaning/effort.h"
 #include "client/cleaning/entry.h"
 #include "client/cleaning/surface.h"
 #include "client/cleaning/surface_polygons.h"
@@ -30,8 +31,12 @@ class SurfaceCleaner {
  public:
   // Polygons are flat within `flat`.
   SurfaceCleaner(const std::vector<Feature>& features, const SurfaceCleanOptions& options,
-                 double flat)
-      : features_(features), options_(options), flat_(flat), surface_(options.tolerance) {}
+                 double flat, Effort& effort)
+      : features_(features),
+        options_(options),
+        flat_(flat),
+        effort_(effort),
+        surface_(options.tolerance) {}
 
   absl::StatusOr<SurfaceCleanResult> Run() {
     const absl::StatusOr<FeatureId> max_id = CheckFeatures(features_, options_.tolerance, kLimits);
@@ -48,7 +53,7 @@ class SurfaceCleaner {
       surface_.Add(std::array{node_of_.at(f.id)}, {f.id});
     }
     surface_.Settle();
-    SurfaceRounds rounds(surface_, options_.max_crossings);
+    SurfaceRounds rounds(surface_, options_.max_crossings, effort_);
     std::size_t least = ~std::size_t{0}, first = 0;
     int last_gain = 0;
     for (;;) {
@@ -266,6 +271,7 @@ class SurfaceCleaner {
   const std::vector<Feature>& features_;
   const SurfaceCleanOptions& options_;
   const double flat_;
+  Effort& effort_;
   Surface surface_;
   absl::flat_hash_map<FeatureId, Node> node_of_;
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
@@ -306,9 +312,11 @@ const char* NameOf(SurfaceChangeKind kind) {
 absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& features,
                                                  const SurfaceCleanOptions& options) {
   SurfaceCleanOptions wider = options;
+  Effort effort(options.max_steps != 0 ? options.max_steps
+                                       : std::max(kLeastSteps, kStepsForFeature * features.size()));
   for (int doublings = 0;; ++doublings) {
     absl::StatusOr<SurfaceCleanResult> result =
-        SurfaceCleaner(features, wider, kFlat * options.tolerance).Run();
+        SurfaceCleaner(features, wider, kFlat * options.tolerance, effort).Run();
     if (!absl::IsAborted(result.status())) return result;
     if (doublings == options.max_doublings) {
       return absl::ResourceExhaustedError(Concat("up to the tolerance ", wider.tolerance, ": ",

@@ -38,8 +38,13 @@ struct SurfaceCleanOptions {
   int max_rounds = 100;                   // for each tolerance
   int max_doublings = 12;                 // of the tolerance
   std::size_t max_crossings = 8'000'000;  // in one round; bounds the memory
+  // In all rounds, with all tolerances; 0: kLeastSteps, or kStepsForFeature for each feature if
+  // that is more. A step takes about a microsecond (effort.h).
+  std::uint64_t max_steps = 0;
   bool holes = true;  // polygons may keep several rings; else they become triangles
 };
+
+inline constexpr std::uint64_t kLeastSteps = 5'000'000, kStepsForFeature = 500;
 
 enum class SurfaceChangeKind : std::uint8_t {
   kPointMerged,       // point ids[0], at `from`, became point ids[1], at `to`

@@ -306,10 +306,11 @@ bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
   return false;
 }
 
-Contacts FindContacts(const Surface& surface, int since, std::size_t most) {
+Contacts FindContacts(const Surface& surface, int since, std::size_t most, Effort& effort) {
   Contacts contacts;
   const Search search(surface, since);
   search.VisitPairs([&](std::uint32_t i, std::uint32_t j) {
+    if (!effort.Take(1)) return false;
     search.FindOfPair(i, j, contacts.pairs);
     contacts.is_cut_off = contacts.pairs.size() > most;
     return !contacts.is_cut_off;

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/cleaning/effort.h"
 #include "client/cleaning/surface.h"
 
 namespace dynmesh::cleaning {
@@ -52,8 +53,9 @@ struct Contacts {
   bool is_cut_off = false;  // there are more than `most` pairs
 };
 
-// Of which one simplex has born >= `since`.
-Contacts FindContacts(const Surface& surface, int since, std::size_t most);
+// Of which one simplex has born >= `since`. Each pair with boxes that meet is a step; if the effort
+// is spent, the result has those found so far.
+Contacts FindContacts(const Surface& surface, int since, std::size_t most, Effort& effort);
 
 // Are the corners of one nearly in the plane of the other? REQUIRES: two faces.
 bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t);

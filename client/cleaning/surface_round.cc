@@ -17,6 +17,9 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
+// Tests of two lines, or of a node and a triangle, that take as long as one of two simplices.
+constexpr std::size_t kPerStep = 16;
+
 template <class T>
 void SortUnique(std::vector<T>& items) {
   std::sort(items.begin(), items.end());
@@ -56,7 +59,12 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   concerned_.clear();
   told_.clear();
   edges_ = surface_.EdgesOf();
-  Contacts contacts = FindContacts(surface_, seen_, max_crossings_);
+  Contacts contacts = FindContacts(surface_, seen_, max_crossings_, effort_);
+  if (effort_.is_spent()) {
+    found_ = contacts.pairs.size();
+    if (!contacts.pairs.empty()) where_ = contacts.pairs.back().place;
+    return SpentError();
+  }
   if (contacts.pairs.empty() && contacts.thin.empty()) return false;
   seen_ = surface_.round;
   if (contacts.is_cut_off) {
@@ -68,13 +76,23 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   Take(contacts.pairs);
   JoinLines();
   MakeChains();
-  if (!Apply()) {
+  const bool has_changed = !effort_.is_spent() && Apply();
+  if (effort_.is_spent()) return SpentError();
+  if (!has_changed) {
     return absl::ResourceExhaustedError(text::Concat(
         found_, " contacts cannot be mended, one at (", where_[0], ", ", where_[1], ", ", where_[2],
         "); choose another tolerance than ", surface_.nodes.tolerance()));
   }
   surface_.Settle();
   return true;
+}
+
+absl::Status SurfaceRounds::SpentError() const {
+  return absl::ResourceExhaustedError(
+      text::Concat("cleaning takes too many steps: in round ", surface_.round, " ",
+                   surface_.simplices.size(), " triangles and edges meet in ", found_,
+                   " places or more, one at (", where_[0], ", ", where_[1], ", ", where_[2],
+                   "); clean the surface in parts, with a larger tolerance, or allow more steps"));
 }
 
 FeatureId SurfaceRounds::NameOf(NodePair edge) const {
@@ -259,6 +277,10 @@ void SurfaceRounds::JoinLines() {
   std::vector<Joint> joints;
   for (const std::uint32_t face : order) {
     const std::vector<NodePair>& lines = faces_[face].lines;
+    if (!effort_.Take(lines.size() * lines.size() / kPerStep)) {
+      where_ = surface_.at(surface_.simplices[face].v[0]);
+      return;
+    }
     const std::size_t axis = ViewOf(surface_, surface_.simplices[face]).axis;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       for (std::size_t j = i + 1; j < lines.size(); ++j) {
@@ -357,6 +379,7 @@ bool SurfaceRounds::Apply() {
   SortUnique(concerned);
   bool changed = false;
   for (const std::uint32_t s : concerned) {
+    if (effort_.is_spent()) return changed;
     if (ApplyTo(s)) {
       changed = true;
     } else {
@@ -381,6 +404,13 @@ bool SurfaceRounds::ApplyTo(std::uint32_t index) {
     return true;
   }
   const auto work = faces_.find(index);
+  if (work != faces_.end()) {
+    const std::size_t nodes = work->second.nodes.size() + work->second.lines.size();
+    if (!effort_.Take(nodes * nodes / kPerStep)) {
+      where_ = surface_.at(s.v[0]);
+      return false;
+    }
+  }
   std::vector<std::array<Node, 3>> pieces =
       PiecesOf(s, work == faces_.end() ? FaceWork() : work->second);
   if (pieces.size() == 1 && Simplex{pieces[0], 3, 0, {}}.Key() == s.Key()) return false;

@@ -30,12 +30,12 @@ namespace dynmesh::cleaning {
 
 class SurfaceRounds {
  public:
-  // The surface must be settled. `max_crossings` is per round.
-  SurfaceRounds(Surface& surface, std::size_t max_crossings)
-      : surface_(surface), max_crossings_(max_crossings) {}
+  // The surface must be settled. `max_crossings` is per round. `effort` must outlive this.
+  SurfaceRounds(Surface& surface, std::size_t max_crossings, Effort& effort)
+      : surface_(surface), max_crossings_(max_crossings), effort_(effort) {}
 
-  // False if there was nothing left to do. RESOURCE_EXHAUSTED above max_crossings; ABORTED if no
-  // fault that was found can be repaired.
+  // False if there was nothing left to do. RESOURCE_EXHAUSTED above max_crossings, if no fault that
+  // was found can be repaired, or if the effort is spent.
   absl::StatusOr<bool> Run();
 
   // Number of faults found by the last round, and the position of one.
@@ -61,6 +61,7 @@ class SurfaceRounds {
   void TakeLines(const Contact* begin, const Contact* end);
   void PutOnEdge(NodePair edge, Node at, SurfaceChangeKind kind);
   void PutInFace(std::uint32_t face, Node at);
+  absl::Status SpentError() const;
   void JoinLines();
   void MakeChains();
   bool Apply();
@@ -72,6 +73,7 @@ class SurfaceRounds {
 
   Surface& surface_;
   const std::size_t max_crossings_;
+  Effort& effort_;
   int seen_ = 0;  // all contacts of simplices born before this round are repaired
   std::size_t found_ = 0;
   Point3 where_{};

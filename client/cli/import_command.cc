@@ -5,16 +5,21 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
+#include "absl/strings/str_format.h"
 #include "client/cleaning/clean_input.h"
+#include "client/cleaning/clean_surfaces.h"
 #include "client/cleaning/feature_edges.h"
 #include "client/cli/command.h"
+#include "client/cli/finest_gap.h"
 #include "client/cli/import_report.h"
 #include "client/cli/import_surface.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/progress_bar.h"
+#include "client/cli/vertex_limit.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/plane/planar_output.h"
@@ -41,6 +46,8 @@ struct ImportCommand {
   std::optional<double> tolerance, feature_angle, within;
   bool clean = false;
   bool polygons = false;
+  std::uint64_t max_steps = 0;
+  bool all = false;
   bool json = false;
 };
 
@@ -79,8 +86,10 @@ std::string ToJson(const std::vector<io::PolygonName>& names,
   return lines;
 }
 
-// Checks that a mesh accepts these: the result of cleaning is verified, too.
-absl::Status ValidateFeatures(const std::vector<Feature>& features, const MeshOptions& options) {
+// Checks that a mesh accepts these: the result of cleaning is verified, too. However many vertices
+// it would have.
+absl::Status ValidateFeatures(const std::vector<Feature>& features, MeshOptions options) {
+  options.limits.max_vertices = MostVertices(options.dimension);
   const auto mesh = DynamicMesh::Create(options);
   if (!mesh.ok()) return mesh.status();
   return (*mesh)->Validate(AddAll(features));
@@ -115,13 +124,83 @@ absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult
   if (!cleaned.ok()) return Locate(cleaned.status(), input.where);
   result = *std::move(cleaned);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (absl::Status status = ValidateFeatures(result.features, input.options); !status.ok()) {
-    return Locate(status, input.where);
-  }
+  const absl::Status status = ValidateFeatures(result.features, input.options);
+  if (!status.ok() && !absl::IsResourceExhausted(status)) return Locate(status, input.where);
+  summary.AddRings(input.mended);
   summary.AddCleaning(NamesOf<ChangeKind>(cleaning::kChangeKinds), *tolerance, result.rounds,
                       seconds.count());
   for (const Change& change : result.changes) {
     summary.AddChange(static_cast<std::size_t>(change.kind), DistanceOf(change));
+  }
+  return absl::OkStatus();
+}
+
+// Where what cleaning leaves is so fine that `mesh` would refuse it by default.
+void WarnOfFinestGap(const std::vector<Feature>& features, const Input& input) {
+  MeshOptions options = input.options;
+  options.limits.max_vertices = DefaultMostVertices(features, options);
+  const std::optional<FinestGap> gap = FindFinestGap(features, options);
+  if (!gap || gap->vertices <= static_cast<double>(options.limits.max_vertices)) return;
+  PrintWarning(Concat("a mesh of this takes at least ", absl::StrFormat("%.2g", gap->vertices),
+                      " vertices; ", TextOf(*gap, options.dimension, input.where)));
+  PrintWarning(AdviceFor(*gap));
+}
+
+// Of points that reach much farther than all others, the first one.
+std::optional<FeatureId> FarPoint(const Input& input) {
+  constexpr double kFar = 1000;
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::vector<std::pair<double, FeatureId>> sorted;
+    for (const Feature& f : input.features) {
+      if (f.kind == FeatureKind::kPoint) sorted.emplace_back(f.position[k], f.id);
+    }
+    if (sorted.size() < 4) return std::nullopt;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t last = sorted.size() - 1;
+    const double without_first = sorted[last].first - sorted[1].first;
+    const double without_last = sorted[last - 1].first - sorted[0].first;
+    const double all = sorted[last].first - sorted[0].first;
+    if (all > kFar * without_last) return sorted[last].second;
+    if (all > kFar * without_first) return sorted[0].second;
+  }
+  return std::nullopt;
+}
+
+// Polygons that cleaning dropped: says so. If they were all there was with a length or an area,
+// that is an error.
+absl::Status CheckWhatIsLeft(const ImportCommand& command, const Input& input,
+                             const CleanResult& result) {
+  const auto drawn = [](const std::vector<Feature>& features) {
+    return CountOf(features, FeatureKind::kPolygon) + CountOf(features, FeatureKind::kSegment);
+  };
+  constexpr std::size_t kMostNamed = 10;
+  std::size_t dropped = 0;
+  std::string places;
+  for (const Change& change : result.changes) {
+    const bool is_polygon = change.kind == ChangeKind::kPolygonDropped;
+    if (!is_polygon && change.kind != ChangeKind::kZeroLength) continue;
+    if (!is_polygon && CountOf(input.features, FeatureKind::kPolygon) != 0) continue;
+    if (dropped++ >= kMostNamed) continue;
+    const std::string where = input.where(change.ids.front());
+    places += Concat(places.empty() ? "" : ", ", is_polygon ? "polygon " : "segment ",
+                     change.ids.front(), " at (", change.from[0], ", ", change.from[1], ")",
+                     where.empty() ? "" : Concat(" (", where, ")"));
+  }
+  if (dropped > kMostNamed) places += Concat(" and ", dropped - kMostNamed, " more");
+  const bool is_empty = drawn(result.features) == 0;
+  if (is_empty && drawn(input.features) != 0) {
+    std::string message = Concat(command.input, ": nothing is left: 0 polygons and 0 segments");
+    if (!places.empty()) message += Concat("; without an area or a length: ", places);
+    if (const auto far = FarPoint(input)) {
+      message += Concat("; point ", *far,
+                        " is so far from all others that the tolerance is larger "
+                        "than what they are apart: leave it out, or give --tolerance and --box");
+    }
+    return absl::InvalidArgumentError(message + "; nothing is written");
+  }
+  const bool has_polygons = CountOf(input.features, FeatureKind::kPolygon) != 0;
+  if (has_polygons && dropped != 0) {
+    PrintWarning(Concat(dropped, " polygon(s) without an area left out: ", places));
   }
   return absl::OkStatus();
 }
@@ -184,6 +263,7 @@ int Run(const ImportCommand& command) {
   InputFlags reading;
   reading.polygons = command.polygons;
   if (command.clean) reading.faces = io::FaceRules::kAsTheyCome;
+  reading.mend_rings = command.clean;
   ProgressBar bar(ErrorIsTerminal());
   bar.Show(0, 0, Concat("reading ", command.input));
   absl::StatusOr<Input> input = LoadInput(command.input, reading);
@@ -196,9 +276,10 @@ int Run(const ImportCommand& command) {
     if (const absl::Status status = CheckInside(*input); !status.ok()) return ReportError(status);
   }
   if (input->options.dimension == 3) {
-    return ImportSurface({command.input, command.output, command.tolerance, command.feature_angle,
-                          command.within, command.clean, command.json},
-                         *std::move(input));
+    return ImportSurface(
+        {command.input, command.output, command.tolerance, command.feature_angle, command.within,
+         command.max_steps, command.clean, command.all, command.json},
+        *std::move(input));
   }
   if (command.feature_angle) {
     return ReportError(absl::InvalidArgumentError(
@@ -213,6 +294,8 @@ int Run(const ImportCommand& command) {
     const absl::Status status = Clean(command, *input, result, summary);
     bar.End();
     if (!status.ok()) return ReportError(status);
+    if (auto left = CheckWhatIsLeft(command, *input, result); !left.ok()) return ReportError(left);
+    WarnOfFinestGap(result.features, *input);
   } else {
     result.features = input->features;
   }
@@ -280,6 +363,9 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                   "other everywhere (default: 0.001 of the diagonal of the surface's box)")
       ->type_name("D");
   AddBoxFlag(*sub, command->box);
+  sub->add_flag(
+      "--all", command->all,
+      "With --clean of a surface: count all that a mesh still refuses, not the first ten");
   sub->add_flag("--json", command->json,
                 "Print every change, a map's polygons with their names, and a summary, one object "
                 "a line");

@@ -73,6 +73,9 @@ JsonObject ImportSummary::ToJson() const {
   for (const Count& c : counts_) object.Add(c.what, c.after);
   object.Add("cleaned", is_cleaned());
   if (!is_cleaned()) return object;
+  object.Add("rings_closed", rings_.closed)
+      .Add("rings_dropped", rings_.dropped)
+      .Add("rings_to_points", rings_.points);
   std::size_t all = 0;
   for (const auto& [name, count] : changes_) {
     std::string key = name;
@@ -93,6 +96,11 @@ std::string ImportSummary::ToText() const {
     text += absl::StrFormat("%-18s %d (%d read)\n", c.what, c.after, c.before);
   }
   if (!is_cleaned()) return text;
+  for (const auto& [what, count] : {std::pair("rings closed", rings_.closed),
+                                    {"rings dropped", rings_.dropped},
+                                    {"rings to points", rings_.points}}) {
+    if (count != 0) text += absl::StrFormat("%-18s %d\n", what, count);
+  }
   for (const auto& [name, count] : changes_) text += absl::StrFormat("%-18s %d\n", name, count);
   return text + absl::StrFormat(
                     "largest step       %.6g\n"

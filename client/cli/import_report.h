@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/json.h"
+#include "core/io/maps/mended_rings.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -41,6 +42,8 @@ class ImportSummary {
   void AddCounts(const std::vector<Feature>& before, const std::vector<Feature>& after);
   // The input was cleaned. Changes are counted under `names`, by their kind.
   void AddCleaning(std::vector<std::string> names, double tolerance, int rounds, double seconds);
+  // Rings of a map that were mended when it was read.
+  void AddRings(const io::MendedRings& rings) { rings_ = rings; }
   // `step`: how far something moved.
   void AddChange(std::size_t kind, double step);
 
@@ -60,6 +63,7 @@ class ImportSummary {
 
   std::vector<Count> counts_;
   std::vector<Changes> changes_;  // by kind
+  io::MendedRings rings_;
   double largest_step_ = 0;
   double tolerance_ = 0;
   int rounds_ = 0;

@@ -37,8 +37,6 @@ using text::Concat;
 // keeps a fourth of the tolerance from faces.
 constexpr double kDefaultCloseLimits = 8;
 constexpr double kLeastCloseLimits = 5;
-// Features looked at to count what a mesh refuses: some seconds.
-constexpr std::size_t kMostWork = 1'000'000;
 
 double DistanceOf(const SurfaceChange& change) {
   // For these kinds `from` and `to` are two places, not a motion.
@@ -188,6 +186,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     if (!tolerance.ok()) return ReportError(tolerance.status());
     cleaning::SurfaceCleanOptions options;
     options.tolerance = *tolerance;
+    options.max_steps = command.max_steps;
     options.holes = extension == ".dynmesh";
     ProgressBar bar(ErrorIsTerminal());
     bar.Show(0, 0, "cleaning");
@@ -210,7 +209,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     for (const SurfaceChange& change : result.changes) {
       summary.AddChange(static_cast<std::size_t>(change.kind), DistanceOf(change));
     }
-    refusals = FindRefusals(result.features, input.options, kMostWork);
+    refusals = FindRefusals(result.features, input.options, command.all);
   } else {
     result.features = input.features;
   }

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
 #define DYNMESH_CLIENT_CLI_IMPORT_SURFACE_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,9 @@ struct SurfaceImport {
   std::optional<double> tolerance;
   std::optional<double> feature_angle;  // in degrees: only edges sharper than this are kept
   std::optional<double> within;         // with feature_angle: how far the surface may move
+  std::uint64_t max_steps = 0;          // of cleaning; 0: the default
   bool clean = false;
+  bool all = false;  // count all that a mesh still refuses
   bool json = false;
 };
 

@@ -263,12 +263,16 @@ bool IsSizes(std::string_view extension) {
   return extension == ".asc" || extension == ".npy" || extension == ".pos" || extension == ".mtr";
 }
 
-absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
+absl::StatusOr<Input> LoadMap(const std::string& path, const InputFlags& flags) {
   io::MapOptions options;
-  options.polygons = polygons;
+  options.polygons = flags.polygons;
+  io::MendedRings mended;
+  if (flags.mend_rings) options.mended = &mended;
   absl::StatusOr<io::FileFeatures> map = io::ReadMapFile(path, options);
   if (!map.ok()) return map.status();
-  return FromPlanar(*std::move(map), path);
+  Input input = FromPlanar(*std::move(map), path);
+  input.mended = mended;
+  return input;
 }
 
 }  // namespace
@@ -326,7 +330,7 @@ absl::StatusOr<std::optional<Input>> LoadGeometry(const std::string& path,
   }
   if (IsMap(path)) {
     if (flags.merge_coplanar) return RefuseMerge(path);
-    return LoadMap(path, flags.polygons);
+    return LoadMap(path, flags);
   }
   if (IsOtherGeometry(extension)) {
     return absl::UnimplementedError(Concat(path, ": ", extension,
@@ -363,6 +367,11 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   if (!geometry.ok()) return geometry.status();
   if (*geometry) {
     if (!(*geometry)->features.empty()) return **std::move(geometry);
+    if (const std::uint64_t dropped = (*geometry)->mended.dropped; dropped != 0) {
+      return absl::InvalidArgumentError(Concat(path,
+                                               ": nothing is left: 0 polygons and 0 segments; ",
+                                               dropped, " ring(s) without an area"));
+    }
     return absl::InvalidArgumentError(
         Concat(path, ":1: the file has no points, segments or polygons"));
   }

@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/io/common/file_features.h"
 #include "core/io/elements/element_mesh.h"
+#include "core/io/maps/mended_rings.h"
 #include "core/io/space/face_rules.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
@@ -31,6 +32,7 @@ struct Input {
   std::string seed_file;
   std::vector<FeatureId> hole_polygons;        // of `holes`, ascending
   std::vector<io::PolygonName> polygon_names;  // of a map's polygons
+  io::MendedRings mended;                      // of a map, if asked for
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const io::FeatureLabels> labels = std::make_shared<const io::FeatureLabels>();
   // "file:line" of a feature, empty if unknown.
@@ -49,6 +51,7 @@ struct InputFlags {
   bool polygons = false;                         // a map's polygons become polygon features
   bool refine = false;                           // the input is a mesh whose vertices become points
   io::FaceRules faces = io::FaceRules::kStrict;  // of surface files
+  bool mend_rings = false;                       // of maps (map_files.h, MendedRings)
 };
 // --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);

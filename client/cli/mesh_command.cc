@@ -9,6 +9,7 @@
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
+#include "client/cli/memory_budget.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/progress_bar.h"
@@ -17,6 +18,7 @@
 #include "client/cli/remote_mesher.h"
 #include "client/cli/selection.h"
 #include "client/cli/size_flags.h"
+#include "client/cli/vertex_limit.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -36,6 +38,8 @@ struct MeshCommand {
   SizeFlags sizes;
   SelectionFlags selection;
   std::string markers;
+  std::string max_memory;
+  bool all_refusals = false;
   bool json = false;
   std::shared_ptr<RemoteMesher> remote;  // may be null
 };
@@ -147,21 +151,33 @@ int Run(MeshCommand command) {
   if (auto status = ApplySizeFlags(command.sizes, *input); !status.ok()) {
     return ReportError(status);
   }
+  absl::StatusOr<MemoryBudget> memory = MemoryBudget::Parse(command.max_memory);
+  if (!memory.ok()) return ReportError(memory.status());
+  const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
+  const VertexLimit limit =
+      VertexLimitOf(input->features, options, command.mesh.max_vertices.has_value(), *memory);
+  if (!is_remote) input->options.limits.max_vertices = options.limits.max_vertices = limit.most;
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
-  const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
+  build.interrupted = [&] { return memory->IsExceeded(); };
   const auto make = [&] {
-    return is_remote ? command.remote->Build(input->features, options, build.engine)
-                     : BuildMesh(input->features, options, build);
+    return is_remote
+               ? command.remote->Build(input->features, options, build.engine)
+               : WithinMemory(*memory, [&] { return BuildMesh(input->features, options, build); });
   };
   absl::StatusOr<Mesh> mesh = BuildWithinVolumes(make, *input);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!mesh.ok()) {
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
-    return ReportRefusals(named, *input, command.reading.merge_coplanar, command.reading.refine);
+    if (absl::IsResourceExhausted(named)) {
+      return ReportTooLarge(named, *input, is_remote ? "" : limit.reason);
+    }
+    return ReportRefusals(
+        named, *input,
+        {command.reading.merge_coplanar, command.reading.refine, command.all_refusals});
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {
@@ -204,6 +220,14 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
                 "points, its constrained edges and faces segments and polygons, largest areas or "
                 "volumes of a .area or .vol sizes; with --inside");
   AddMeshFlags(*sub, command->mesh);
+  sub->get_option("--max-vertices")
+      ->description(
+          Concat("Give up when the mesh would have more vertices (default: ", kFewestVertices,
+                 ", or ", kVerticesForFeature, " for each feature; with target lengths ",
+                 Limits().max_vertices, "; no more than fit into --max-memory)"));
+  AddMemoryFlag(*sub, command->max_memory);
+  sub->add_flag("--all", command->all_refusals,
+                "Of an input that is refused, look for all refusals, not for the first ten");
   AddSizeFlags(*sub, command->sizes);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);

@@ -6,6 +6,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
+#include "client/cli/finest_gap.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -15,10 +16,6 @@ namespace dynmesh::cli {
 namespace {
 
 using text::Concat;
-
-constexpr std::size_t kMostTold = 10;
-// Features validated for the count, all rounds together.
-constexpr std::size_t kMostWork = 5'000'000;
 
 // Leaves out what a refusal blames.
 class Remaining {
@@ -57,18 +54,18 @@ class Remaining {
 };
 
 Refusals Find(absl::Status status, const DynamicMesh& mesh, const std::vector<Feature>& features,
-              std::size_t most_work) {
+              bool all) {
   Refusals refusals;
   Remaining remaining(features);
-  std::size_t work = 0;
   while (!status.ok()) {
     const std::optional<ErrorDetail> found = GetErrorDetail(status);
     ++refusals.count;
     ++refusals.by_reason[found ? found->reason : "OTHER"];
     if (refusals.count <= kMostTold) refusals.first.push_back(status);
     refusals.is_complete = false;
-    if (work >= most_work || !found || !remaining.LeaveOut(found->features)) break;
-    work += remaining.features().size() + 1;
+    if ((refusals.count >= kMostTold && !all) || !found || !remaining.LeaveOut(found->features)) {
+      break;
+    }
     status = mesh.Validate(AddAll(remaining.features()));
     refusals.is_complete = status.ok();
   }
@@ -111,32 +108,54 @@ void AdviseCleaning(const Refusals& refusals) {
 
 }  // namespace
 
-Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options,
-                      std::size_t most_work) {
+Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options, bool all) {
   const absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
   const absl::Status status = mesh.ok() ? (*mesh)->Validate(AddAll(features)) : mesh.status();
   if (status.ok()) return {};
   if (!mesh.ok()) return {1, {{"OTHER", 1}}, {status}, true};
-  return Find(status, **mesh, features, most_work);
+  return Find(status, **mesh, features, all);
 }
 
-int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged, bool is_refined) {
+int ReportRefusals(const absl::Status& first, const Input& input, const RefusalWishes& wishes) {
   const int code = ReportError(Locate(first, input.where));
   const std::optional<ErrorDetail> detail = GetErrorDetail(first);
   if (!detail || detail->features.empty()) return code;
   absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(input.options);
   if (!mesh.ok()) return code;
-  const Refusals refusals = Find(first, **mesh, input.features, kMostWork);
+  const Refusals refusals = Find(first, **mesh, input.features, wishes.all);
   for (std::size_t i = 1; i < refusals.first.size(); ++i) {
     ReportError(Locate(refusals.first[i], input.where));
   }
-  if (!is_refined) AdviseCleaning(refusals);
+  if (!wishes.is_refined) AdviseCleaning(refusals);
   if (refusals.count > 1) {
+    std::string rest;
+    if (!refusals.is_complete && !wishes.all) {
+      rest = ": the search ended there, --all looks on";
+    } else if (refusals.count > kMostTold) {
+      rest = Concat(", the first ", kMostTold, " told");
+    }
     PrintWarning(
-        Concat(refusals.is_complete ? "" : "at least ", refusals.count, " refusals",
-               refusals.count > kMostTold ? Concat(", the first ", kMostTold, " told") : ""));
+        Concat(refusals.is_complete ? "" : "at least ", refusals.count, " refusals", rest));
   }
-  if (input.options.dimension == 3 && !is_merged && !is_refined) AdviseMerging(input, **mesh);
+  if (input.options.dimension == 3 && !wishes.is_merged && !wishes.is_refined) {
+    AdviseMerging(input, **mesh);
+  }
+  return code;
+}
+
+int ReportTooLarge(const absl::Status& error, const Input& input, const std::string& why) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(error);
+  const std::optional<FinestGap> gap = FindFinestGap(input.features, input.options);
+  absl::Status told = Locate(error, input.where);
+  if (gap && (!detail || detail->features.empty())) {
+    told = absl::Status(error.code(), Concat(text::View(error.message()), "; ",
+                                             TextOf(*gap, input.options.dimension, input.where)));
+  }
+  const int code = ReportError(told);
+  if (gap) PrintWarning(AdviceFor(*gap));
+  if (detail && detail->reason == reason::kVertexLimit && !why.empty()) {
+    PrintWarning(Concat("max_vertices = ", input.options.limits.max_vertices, " is ", why));
+  }
   return code;
 }
 

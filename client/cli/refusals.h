@@ -16,19 +16,30 @@ namespace dynmesh::cli {
 struct Refusals {
   std::size_t count = 0;
   std::map<std::string, std::size_t> by_reason;  // of dynmesh/error.h
-  std::vector<absl::Status> first;               // some of them
-  bool is_complete = true;                       // else there are more: it took too long
+  std::vector<absl::Status> first;               // kMostTold at most
+  bool is_complete = true;                       // else the search ended before
 };
-// `most_work` bounds the time: features looked at.
-Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options,
-                      std::size_t most_work);
+inline constexpr std::size_t kMostTold = 10;
+// Ends after the first kMostTold, if not `all` are wanted. Each takes a validation of the rest.
+Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& options, bool all);
 
-// Reports `first`, the refusal of `input` by a mesh with its options, then as many others as are
-// found by leaving out, again and again, what is to blame: the first ten are told, all are counted
-// up to a limit. Of a 3D surface whose faces could be joined it says that `--merge-coplanar` does
-// so, and of what `import --clean` mends, that it does; neither of a mesh that is refined. Returns
-// the exit code. Only features are looked at; other errors are reported alone.
-int ReportRefusals(const absl::Status& first, const Input& input, bool is_merged, bool is_refined);
+// How an input was read, and which refusals are wanted.
+struct RefusalWishes {
+  bool is_merged = false, is_refined = false;
+  bool all = false;
+};
+// Reports `first`, the refusal of `input` by a mesh with its options, then others as FindRefusals
+// finds them: kMostTold are told, all found are counted. Of a 3D surface whose faces could be
+// joined it says that `--merge-coplanar` does so, and of what `import --clean` mends, that it does;
+// neither of a mesh that is refined. Returns the exit code. Only features are looked at; other
+// errors are reported alone.
+int ReportRefusals(const absl::Status& first, const Input& input, const RefusalWishes& wishes);
+
+// Reports an error about a mesh that is too large, where it is finest, and which tolerance of
+// cleaning joins what is so near there. `why`: of the limit of
+// vertices, if it is not the user's.
+// Returns the exit code.
+int ReportTooLarge(const absl::Status& error, const Input& input, const std::string& why);
 
 }  // namespace dynmesh::cli
 

@@ -11,6 +11,7 @@
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
+#include "client/cli/memory_budget.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
@@ -36,6 +37,7 @@ struct ReplayCommand {
   OutputFlags output;
   SelectionFlags selection;
   std::string markers;
+  std::string max_memory;
   bool json = false;
   bool highlight = false;
   std::string animation;           // a path; empty: none
@@ -51,8 +53,8 @@ std::uint64_t PeakResidentBytes() {
 
 class Replay {
  public:
-  Replay(const ReplayCommand& command, const io::EditScript& script)
-      : command_(command), script_(script) {}
+  Replay(const ReplayCommand& command, const io::EditScript& script, const MemoryBudget& memory)
+      : command_(command), script_(script), memory_(memory) {}
 
   absl::Status Run() {
     MeshOptions options = script_.Options();
@@ -117,7 +119,9 @@ class Replay {
           p.done, p.total,
           text::Concat("revision ", b + 1, " of ", script_.batches.size(), ", ", WordOf(p.stage)));
     };
-    absl::StatusOr<MeshDiff> diff = mesh_->Apply(batch, options);
+    options.interrupted = [this] { return memory_.IsExceeded(); };
+    absl::StatusOr<MeshDiff> diff =
+        WithinMemory(memory_, [&] { return mesh_->Apply(batch, options); });
     const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
     if (!diff.ok()) return bar_.End(), AtLine(b, diff.status());
     Count(batch, *diff);
@@ -270,6 +274,7 @@ class Replay {
 
   const ReplayCommand& command_;
   const io::EditScript& script_;
+  MemoryBudget memory_;
   std::unique_ptr<DynamicMesh> mesh_;
   std::unique_ptr<SlotMesh> replica_;  // with --check
   std::vector<double> microseconds_;   // of all revisions but the first
@@ -295,7 +300,9 @@ int Run(ReplayCommand command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
   if (!script.ok()) return ReportError(script.status());
-  const absl::Status status = Replay(command, *script).Run();
+  const absl::StatusOr<MemoryBudget> memory = MemoryBudget::Parse(command.max_memory);
+  if (!memory.ok()) return ReportError(memory.status());
+  const absl::Status status = Replay(command, *script, *memory).Run();
   return status.ok() ? kExitDone : ReportError(status);
 }
 
@@ -312,6 +319,7 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   AddMeshFlags(*sub, command->mesh);
+  AddMemoryFlag(*sub, command->max_memory);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
   AddMarkersFlag(*sub, command->markers);

@@ -15,8 +15,10 @@
 namespace dynmesh {
 namespace {
 
-// Gaps that cause a smaller share of the vertices are not the reason.
-constexpr double kLeastShare = 0.02;
+// Gaps that cause a smaller share of the vertices, or a few of them, are not the reason. The bound
+// is a fourth of the truth.
+constexpr double kLeastShare = 0.1;
+constexpr double kLeastVertices = 16;
 
 }  // namespace
 
@@ -42,8 +44,9 @@ absl::Status NameFinestPlace(absl::Status status, const plc::Delta<D>& added,
   const auto most = static_cast<double>(options.limits.max_vertices);
   const plc::SegmentGaps<D> found =
       plc::GapsAmong<D>(added.added_segments, options, most, steps, also);
-  if (!(found.sum > kLeastShare * most)) return status;
+  if (found.gaps.empty() || !(found.sum > kLeastShare * most)) return status;
   const auto& [at, gap] = found.Worst();
+  if (gap.vertices < kLeastVertices) return status;
   const plc::SegmentFeature<D>& s = added.added_segments[at];
   detail->features = {s.id, gap.other.id};
   return MakeError(

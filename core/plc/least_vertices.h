@@ -3,7 +3,7 @@
 //
 // The bounds follow from the guarantees of a finished mesh and from the splits of segments by near
 // features, whatever other features there are: an input that can be meshed is never refused. They
-// are not sharp: a half of the truth for large regions in 2D, a fifth in 3D, a third for lines, a
+// are not sharp: a half of the truth for large regions in 2D, a fifth in 3D, a fourth for lines, a
 // few hundredths to a thousandth for close facets.
 //
 // *Regions* with a target length h. Every simplex that meets the region has a circumradius R <= h /

@@ -1,17 +1,11 @@
 #include "server/base/memory_guard.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <limits>
 #include <string>
-#include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "dynmesh/options.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
@@ -25,51 +19,7 @@ constexpr int kTicksBetweenTrims = 10;
 // From this many streams on, the memory they leave is worth a trim.
 constexpr std::uint64_t kManyStreams = 64;
 
-constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-
-// The number in a file; kNoLimit if the file is missing or says "max".
-std::uint64_t NumberIn(const std::string& path) {
-  std::string word;
-  std::ifstream(path) >> word;
-  std::uint64_t number = 0;
-  return absl::SimpleAtoi(word, &number) ? number : kNoLimit;
-}
-
-// The least value of the files `name` of a group and its ancestors up to the root.
-std::uint64_t LeastUpwards(const std::string& root, std::string group, const std::string& name) {
-  std::uint64_t least = kNoLimit;
-  while (true) {
-    least = std::min(least, NumberIn(absl::StrCat(root, group, "/", name)));
-    if (group.empty()) return least;
-    group.resize(std::min(group.rfind('/'), group.size() - 1));
-  }
-}
-
-// A line is NUMBER:CONTROLLERS:/PATH; CONTROLLERS is empty for cgroup version 2. In a container the
-// path may be the host's and not exist: then the root's limit counts.
-std::uint64_t LimitOfGroup(const std::string& own, const std::string& groups) {
-  std::uint64_t least = kNoLimit;
-  std::ifstream lines(own);
-  for (std::string line; std::getline(lines, line);) {
-    const std::vector<std::string> part = absl::StrSplit(line, absl::MaxSplits(':', 2));
-    if (part.size() != 3) continue;
-    const std::string group = part[2] == "/" ? "" : part[2];
-    if (part[1].empty()) {
-      least = std::min(least, LeastUpwards(groups, group, "memory.max"));
-    } else if (part[1] == "memory") {
-      least = std::min(least, LeastUpwards(groups + "/memory", group, "memory.limit_in_bytes"));
-    }
-  }
-  return least;
-}
-
 }  // namespace
-
-std::uint64_t AvailableBytes(const std::string& own, const std::string& groups) {
-  const auto machine = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                       static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  return std::min(machine, LimitOfGroup(own, groups));
-}
 
 MemoryGuard::MemoryGuard(std::uint64_t limit, Measurement measurement)
     : limit_(limit != 0 ? limit : AvailableBytes() / 10 * 9), measurement_(measurement) {

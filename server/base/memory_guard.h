@@ -5,17 +5,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <string>
 
 #include "absl/status/status.h"
+#include "core/base/available_memory.h"
 #include "server/base/process.h"
 
 namespace dynmesh::server {
-
-// The machine's memory, or the limit of the process's cgroup or an ancestor of it if that is less.
-// The parameters `own` and `groups` are the system's files, for tests.
-std::uint64_t AvailableBytes(const std::string& own = "/proc/self/cgroup",
-                             const std::string& groups = "/sys/fs/cgroup");
 
 class MemoryGuard {
  public:

@@ -1,3 +1,5 @@
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,7 +22,8 @@ using Kind = JsonDocument::Kind;
 // Recursion is as deep as the document, which is limited.
 class GeoJsonReader {
  public:
-  GeoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
+  GeoJsonReader(const JsonDocument& json, bool polygons, MendedRings* mended)
+      : json_(json), polygons_(polygons), mended_(mended) {}
 
   absl::StatusOr<FileFeatures> Read() {
     if (auto status = ReadObject(0); !status.ok()) return status;
@@ -115,12 +118,55 @@ class GeoJsonReader {
   absl::Status ReadLine(Index v) { return ReadPath(v, "a line", 2, true).status(); }
 
   absl::Status ReadRing(Index v) {
+    if (mended_ != nullptr) return MendRing(v);
     absl::StatusOr<Path> path = ReadPath(v, "a polygon's ring", 4, !polygons_);
     if (!path.ok()) return path.status();
     if (path->front() != path->back()) {
       return json_.Error(v, "a polygon's ring must end where it starts; repeat its first position");
     }
     if (polygons_) rings_.push_back(*std::move(path));
+    return absl::OkStatus();
+  }
+
+  // A ring of one place is a point; one of two has no area, and is dropped with its positions; any
+  // other is closed.
+  absl::Status MendRing(Index v) {
+    if (auto status = ExpectArray(json_, v, "a polygon's ring"); !status.ok()) return status;
+    std::vector<std::pair<Index, std::array<double, 2>>> places;
+    const absl::Status read = json_.ForEach(v, [&](Index i) {
+      const absl::StatusOr<Position> position = ReadPosition(json_, i);
+      if (!position.ok()) return position.status();
+      if (places.empty() || places.back().second != position->at) {
+        places.emplace_back(i, position->at);
+      }
+      return absl::OkStatus();
+    });
+    if (!read.ok()) return read;
+    const bool is_closed = places.size() > 1 && places.front().second == places.back().second;
+    const std::size_t count = places.size() - (is_closed ? 1 : 0);
+    if (count == 0 || count == 2) {
+      ++mended_->dropped;
+      return absl::OkStatus();
+    }
+    Path path;
+    for (std::size_t i = 0; i < count; ++i) {
+      const absl::StatusOr<LineWork::Node> node = AddPosition(places[i].first);
+      if (!node.ok()) return node.status();
+      path.push_back(*node);
+    }
+    if (count == 1) {
+      ++mended_->points;
+      return absl::OkStatus();
+    }
+    if (!is_closed) ++mended_->closed;
+    path.push_back(path.front());
+    if (polygons_) {
+      rings_.push_back(std::move(path));
+      return absl::OkStatus();
+    }
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      work_.Connect(path[i], path[i + 1], json_.line(places[(i + 1) % count].first));
+    }
     return absl::OkStatus();
   }
 
@@ -145,6 +191,7 @@ class GeoJsonReader {
 
   const JsonDocument& json_;
   const bool polygons_;
+  MendedRings* const mended_;  // null: nothing is mended
   LineWork work_;
   PolygonName names_;        // of the current feature
   std::vector<Path> rings_;  // of the current geometry, if it becomes a polygon
@@ -153,8 +200,9 @@ class GeoJsonReader {
 
 }  // namespace
 
-absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons) {
-  return GeoJsonReader(json, polygons).Read();
+absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons,
+                                         MendedRings* mended) {
+  return GeoJsonReader(json, polygons, mended).Read();
 }
 
 absl::StatusOr<FileFeatures> ReadMapFile(const std::string& path, const MapOptions& options) {
@@ -163,7 +211,7 @@ absl::StatusOr<FileFeatures> ReadMapFile(const std::string& path, const MapOptio
   const absl::StatusOr<std::string_view> type = TypeOf(*json, 0, "a map");
   if (!type.ok()) return type.status();
   return *type == "Topology" ? ReadTopoJson(*json, options.polygons)
-                             : ReadGeoJson(*json, options.polygons);
+                             : ReadGeoJson(*json, options.polygons, options.mended);
 }
 
 }  // namespace dynmesh::io

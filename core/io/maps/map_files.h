@@ -17,12 +17,16 @@
 #include "absl/status/statusor.h"
 #include "core/io/common/file_features.h"
 #include "core/io/maps/json_document.h"
+#include "core/io/maps/mended_rings.h"
 
 namespace dynmesh::io {
 
 struct MapOptions {
   bool polygons = false;
   JsonLimits limits = {};
+  // If given, rings of GeoJSON of fewer than four positions and open rings are mended and counted
+  // here; else they are INVALID_ARGUMENT. (A topology's are closed in any case.)
+  MendedRings* mended = nullptr;
 };
 
 // The file's "type" determines the format. INVALID_ARGUMENT as `file:line: what is wrong` for other
@@ -31,7 +35,8 @@ struct MapOptions {
 absl::StatusOr<FileFeatures> ReadMapFile(const std::string& path, const MapOptions& options = {});
 
 // From a parsed file.
-absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons = false);
+absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons = false,
+                                         MendedRings* mended = nullptr);
 absl::StatusOr<FileFeatures> ReadTopoJson(const JsonDocument& json, bool polygons = false);
 
 }  // namespace dynmesh::io

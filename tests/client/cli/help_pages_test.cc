@@ -90,30 +90,6 @@ TEST_F(HelpPages, ManualAndCompletionHaveEveryCommand) {
   EXPECT_EQ(folder_.Read("tried.txt"), "--inside\nreplay\n");
 }
 
-TEST_F(HelpPages, AllRefusalsAreCountedAndTheFirstTenTold) {
-  // Twelve pairs of crossing segments.
-  std::string points = "48 2 0 0\n", segments = "24 0\n";
-  for (int i = 0; i < 12; ++i) {
-    const double x = 10 * i;
-    for (const auto& [dx, dy] : {std::pair(0, 0), {4, 4}, {0, 4}, {4, 0}}) {
-      points += std::to_string(4 * i + 1 + (dx == 4 ? (dy == 4 ? 1 : 3) : (dy == 4 ? 2 : 0))) +
-                " " + std::to_string(x + dx) + " " + std::to_string(dy) + "\n";
-    }
-    for (const int k : {0, 1}) {
-      segments += std::to_string(2 * i + 1 + k) + " " + std::to_string(4 * i + 1 + 2 * k) + " " +
-                  std::to_string(4 * i + 2 + 2 * k) + "\n";
-    }
-  }
-  folder_.Write("x.poly", points + segments + "0\n");
-  const Outcome outcome = Run("mesh x.poly");
-  EXPECT_EQ(outcome.code, 2);
-  const auto lines = Lines(outcome.err);
-  EXPECT_EQ(std::ranges::count_if(
-                lines, [](const std::string& l) { return l.find("cross at") != l.npos; }),
-            10);
-  EXPECT_EQ(lines.back(), "dynmesh: warning: 12 refusals, the first 10 told");
-}
-
 TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
   // A low wall at 80 degrees over a floor. Cut into triangles it has an edge that leans.
   const std::string corners = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.007 0.04\n0 0.007 0.04\n";

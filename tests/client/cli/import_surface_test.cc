@@ -1,6 +1,8 @@
 // `dynmesh import` of surfaces.
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -225,6 +227,53 @@ TEST_F(ImportSurface, WhatCannotBeDoneIsNamed) {
   EXPECT_NE(flat.err.find("--feature-angle is for surfaces; flat.poly is 2D"), std::string::npos)
       << flat.err;
   expect("-o b.off --box 0,0,0,0.5,1,1", "is outside --box");
+}
+
+// Triangles between random places, which cross nearly all others.
+std::string Soup(int triangles) {
+  std::string points, faces;
+  std::uint64_t state = 1;
+  const auto next = [&] {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    return std::to_string(static_cast<double>(state >> 40) / (1 << 24));
+  };
+  for (int i = 0; i < triangles; ++i) {
+    for (int k = 0; k < 3; ++k) points += next() + " " + next() + " " + next() + "\n";
+    faces += "3 " + std::to_string(3 * i) + " " + std::to_string(3 * i + 1) + " " +
+             std::to_string(3 * i + 2) + "\n";
+  }
+  return "OFF\n" + std::to_string(3 * triangles) + " " + std::to_string(triangles) + " 0\n" +
+         points + faces;
+}
+
+TEST_F(ImportSurface, CleaningEndsAfterItsStepsWithAPlace) {
+  folder_.Write("s.off", Soup(20));
+  const Outcome few = Run("import s.off --clean -o c.poly --max-steps 100");
+  EXPECT_EQ(few.code, 1);
+  EXPECT_NE(few.err.find("cleaning takes too many steps: in round 1"), std::string::npos)
+      << few.err;
+  EXPECT_NE(few.err.find("one at ("), std::string::npos) << few.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("c.poly")));
+  // In a later round.
+  const Outcome later = Run("import s.off --clean -o c.poly --max-steps 1000");
+  EXPECT_EQ(later.code, 1);
+  EXPECT_NE(later.err.find("in round "), std::string::npos) << later.err;
+  EXPECT_EQ(Run("import s.off --clean -o c.poly").code, 0);
+  EXPECT_EQ(Run("import s.off --clean -o c.poly --max-steps 0").code, 2);
+}
+
+TEST_F(ImportSurface, WhatAMeshStillRefusesIsCountedUpToTen) {
+  folder_.Write("s.off", Soup(20));
+  const Outcome ten = Run("import s.off --clean -o c.poly --json");
+  ASSERT_EQ(ten.code, 0) << ten.err;
+  const std::string all = Lines(Run("import s.off --clean -o c.poly --json --all").out).back();
+  const int count = std::stoi(Value(all, "refused"));
+  ASSERT_GT(count, 10);
+  EXPECT_EQ(Value(all, "refused_all_counted"), "true");
+  EXPECT_EQ(Value(Lines(ten.out).back(), "refused"), "10");
+  EXPECT_EQ(Value(Lines(ten.out).back(), "refused_all_counted"), "false");
+  EXPECT_NE(Run("import s.off --clean -o c.poly").out.find("refused by a mesh  at least 10"),
+            std::string::npos);
 }
 
 }  // namespace

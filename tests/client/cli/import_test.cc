@@ -1,4 +1,5 @@
 // `dynmesh import`, and maps as input of the other commands.
+#include <filesystem>
 #include <string>
 
 #include "gtest/gtest.h"
@@ -190,6 +191,123 @@ TEST_F(Import, WarnsOfEdgesAcrossTheAntimeridianAndOfHeights) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_NE(outcome.err.find("antimeridian"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("2 height(s) ignored"), std::string::npos) << outcome.err;
+}
+
+std::string Polygon(const std::string& rings) {
+  return "{\"type\": \"Polygon\", \"coordinates\": [" + rings + "]}\n";
+}
+const std::string kSquare = "[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]";
+
+// Rings that the format does not allow are mended by --clean, and refused without.
+TEST_F(Import, RingsThatAreOpenOrTooShortAreMended) {
+  const struct {
+    std::string rings, key;
+    int points, segments;
+  } cases[] = {
+      {"[[0, 0], [4, 0], [4, 4], [0, 4]]", "rings_closed", 4, 4},
+      {"[[0, 0], [4, 0], [4, 4]]", "rings_closed", 3, 3},
+      {kSquare + ", []", "rings_dropped", 4, 4},
+      {kSquare + ", [[1, 1], [2, 2]]", "rings_dropped", 4, 4},
+      {kSquare + ", [[1, 1], [2, 1], [1, 1]]", "rings_dropped", 4, 4},
+      {kSquare + ", [[1, 1], [1, 1], [2, 1], [1, 1]]", "rings_dropped", 4, 4},
+      {kSquare + ", [[2, 2]]", "rings_to_points", 5, 4},
+      {kSquare + ", [[2, 2], [2, 2], [2, 2], [2, 2]]", "rings_to_points", 5, 4},
+  };
+  for (const auto& c : cases) {
+    folder_.Write("r.geojson", Polygon(c.rings));
+    for (const std::string polygons : {"", " --polygons"}) {
+      const Outcome outcome = Run("import r.geojson --clean --json -o c.dynmesh" + polygons);
+      ASSERT_EQ(outcome.code, 0) << c.rings << outcome.err;
+      EXPECT_EQ(Value(outcome.out, c.key), "1") << c.rings;
+      EXPECT_EQ(Value(outcome.out, "points"), std::to_string(c.points)) << c.rings;
+      EXPECT_EQ(Value(outcome.out, "segments"),
+                polygons.empty() ? std::to_string(c.segments) : "0");
+      EXPECT_EQ(Value(outcome.out, "polygons"), polygons.empty() ? "0" : "1");
+      ASSERT_EQ(Run("mesh c.dynmesh --inside -o c.node").code, 0) << c.rings;
+      EXPECT_EQ(Run("verify c.node --input c.dynmesh").code, 0) << c.rings;
+    }
+    EXPECT_NE(Run("import r.geojson --clean -o c.dynmesh")
+                  .out.find(c.key == "rings_closed"    ? "rings closed       1"
+                            : c.key == "rings_dropped" ? "rings dropped      1"
+                                                       : "rings to points    1"),
+              std::string::npos);
+  }
+  folder_.Write("open.geojson", Polygon(cases[0].rings));
+  EXPECT_EQ(Run("mesh open.geojson").code, 2);
+  EXPECT_EQ(Run("import open.geojson -o c.dynmesh").code, 2);
+  // A position that is no position is no ring to be mended.
+  folder_.Write("bad.geojson", Polygon("[[0, 0], [4]]"));
+  EXPECT_EQ(Run("import bad.geojson --clean -o c.dynmesh").code, 2);
+}
+
+TEST_F(Import, WhenNothingIsLeftItSaysSo) {
+  // No area; no area of a polygon of two; only a ring that is dropped.
+  for (const std::string rings : {"[[0, 0], [2, 0], [4, 0], [0, 0]]",
+                                  "[[0, 0], [4, 0], [0, 0], [0, 0]]", "[[1, 1], [2, 2]]"}) {
+    folder_.Write("n.geojson", Polygon(rings));
+    const Outcome outcome = Run("import n.geojson --polygons --clean -o n.dynmesh");
+    EXPECT_EQ(outcome.code, 2) << rings;
+    EXPECT_NE(outcome.err.find("nothing is left: 0 polygons and 0 segments"), std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.Path("n.dynmesh"))) << rings;
+  }
+  folder_.Write("n.geojson", Polygon("[[0, 0], [2, 0], [4, 0], [0, 0]]"));
+  EXPECT_NE(Run("import n.geojson --polygons --clean -o n.dynmesh")
+                .err.find("polygon 4 at (0, 0) (n.geojson:1)"),
+            std::string::npos);
+  // A point far away makes the tolerance larger than all else.
+  folder_.Write("far.geojson",
+                Polygon("[[0, -2], [2, 2], [0, 4], [-3, 3], [0, -2]], "
+                        "[[1.4e38, 1.4e38], [0, 0], [0, 1], [1, 0], [1.4e38, 1.4e38]]"));
+  const Outcome far = Run("import far.geojson --polygons --clean -o n.dynmesh");
+  EXPECT_EQ(far.code, 2);
+  EXPECT_NE(far.err.find("point 5 is so far from all others"), std::string::npos) << far.err;
+  // Points alone are what they were.
+  folder_.Write("p.node", "2 2 0 0\n1 0 0\n2 1 1\n");
+  EXPECT_EQ(Run("import p.node --clean -o p.poly").code, 0);
+  // Of two polygons one is left: a warning.
+  folder_.Write("two.geojson", "{\"type\": \"GeometryCollection\", \"geometries\": [" +
+                                   Polygon(kSquare) + ", " +
+                                   Polygon("[[5, 0], [6, 0], [7, 0], [5, 0]]") + "]}");
+  const Outcome two = Run("import two.geojson --polygons --clean -o n.dynmesh");
+  EXPECT_EQ(two.code, 0) << two.err;
+  EXPECT_NE(two.err.find("1 polygon(s) without an area left out: polygon 9 at (5, 0)"),
+            std::string::npos)
+      << two.err;
+}
+
+// Few points that need millions of vertices: the error tells the tolerance that helps, and it does.
+TEST_F(Import, TheToleranceThatIsAdvisedClosesTheFinestGap) {
+  const std::string inputs[] = {
+      Polygon("[[0, 0], [1, 0], [0.5, 1], [0, 0]], "
+              "[[0.1, 1e-7], [0.9, 1e-7], [0.5, 0.5], [0.1, 1e-7]]"),
+      Polygon("[[4e-07, -4e-07], [4e-07, 0], [0, 0], [-1.2e-06, 0], [-8.66, 0], [-8.66, 1.34], "
+              "[-10, -4e-07], [4e-07, -4e-07]]"),
+      "{\"type\": \"MultiPolygon\", \"coordinates\": [[[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]], "
+      "[[[1.00000001, 0], [2, 0], [2, 1], [1.00000001, 1], [1.00000001, 0]]]]}"};
+  for (const std::string& input : inputs) {
+    folder_.Write("g.geojson", input);
+    const Outcome refused = Run("mesh g.geojson --polygons --max-vertices 1000000");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_NE(refused.err.find("apart: what is between them takes at least"), std::string::npos)
+        << refused.err;
+    EXPECT_NE(refused.err.find("g.geojson:1: "), std::string::npos) << refused.err;
+    const std::string flag = "--clean --tolerance ";
+    const std::size_t at = refused.err.find(flag);
+    ASSERT_NE(at, std::string::npos) << refused.err;
+    const std::string tolerance = refused.err.substr(
+        at + flag.size(), refused.err.find(' ', at + flag.size()) - at - flag.size());
+    // Without it, cleaning warns; with it, a mesh of some thousand vertices is made.
+    const Outcome warned = Run("import g.geojson --polygons --clean -o w.dynmesh");
+    EXPECT_EQ(warned.code, 0);
+    EXPECT_NE(warned.err.find(flag + tolerance), std::string::npos) << warned.err;
+    ASSERT_EQ(Run("import g.geojson --polygons --clean -o c.dynmesh --tolerance " + tolerance).code,
+              0);
+    const Outcome made = Run("mesh c.dynmesh --inside --json -o c.node");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_LT(std::stoi(Value(made.out, "vertices")), 10'000);
+    EXPECT_EQ(Run("verify c.node --input c.dynmesh").code, 0);
+  }
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
 TEST(LeastVertices, OfNearLinesAreAQuarterOfTheTruth) {
   for (const bool is_seam : {true, false}) {
     const Sharpness found =
-        ExpectNeverTooHigh<2>(is_seam ? "seams" : "near doubles", {{kDefaultQuality2D}}, 40,
+        ExpectNeverTooHigh<2>(is_seam ? "seams" : "near doubles", {{kDefaultQuality2D}}, 20,
                               [&](Scenes& s) { is_seam ? s.Seams() : s.NearDoubles(); });
     ASSERT_GT(found.told, 5);
     EXPECT_LT(std::exp(found.sum / found.told), 8);
