@@ -600,13 +600,19 @@ TEST_F(TokenTest, TakingATokenOutEndsItsStreamsAndNoOthers) {
   ASSERT_TRUE(edits->Send({AddPoint(1)}).ok());
   ASSERT_TRUE(edits->Receive().has_value());
   ASSERT_TRUE(goes->WaitForRevision(1, kLong));
+  // As any client sees it.
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer lab");
+  const auto raw = stub_->Watch(&context, About<v1::WatchRequest>("meshes/m"));
   Tokens({Line("root", "admin=*")});  // the ticker sees it
   EXPECT_FALSE(edits->Receive().has_value());
-  const absl::Status ended = edits->Finish();
-  EXPECT_EQ(ended.code(), StatusCode::kUnavailable);
-  EXPECT_NE(ended.message().find("TOKEN_UNKNOWN: the token lab was removed"),
-            absl::string_view::npos)
-      << Text(ended);
+  EXPECT_EQ(edits->Finish().code(), StatusCode::kUnavailable);
+  v1::WatchEvent event;
+  while (raw->Read(&event)) {
+  }
+  const grpc::Status ended = raw->Finish();
+  EXPECT_EQ(ended.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(ended.error_message(), "TOKEN_UNKNOWN: the token lab was removed");
   EXPECT_EQ(ReasonOf(lab->OpenEdits("m")->Finish()), codec::reason::kTokenUnknown);
   goes->WaitFor([](const auto&) { return false; }, kLong);
   ASSERT_TRUE(goes->ended().has_value());
