@@ -50,8 +50,8 @@ constexpr std::chrono::milliseconds kConnectionGrace{50};
 constexpr absl::Duration kRefusalGrace = absl::Seconds(1);
 constexpr absl::Duration kQuiet = absl::Milliseconds(50);
 
-// 500 calls of the smallest size. A larger read would save loads little: a message of 4 MB is 256 of
-// these, some microseconds each.
+// 500 calls of the smallest size. A larger read would save loads little: a message of 4 MB is 256
+// of these, some microseconds each.
 constexpr int kReadBytes = 16 << 10;
 
 int Threads(int configured) {
@@ -94,8 +94,8 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));
   set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, Milliseconds(config.idle_timeout));
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
-  // What is read of a connection before its calls are handled. All that a read brings is queued, and
-  // calls that are for nothing are counted only when they are handled.
+  // What is read of a connection before its calls are handled. All that a read brings is queued,
+  // and calls that are for nothing are counted only when they are handled.
   set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kReadBytes);
 }
 

@@ -50,4 +50,5 @@ def flags_in(words):
 
 def drain_seconds():
     """What dynmeshd takes at most, by default, to end."""
-    return tomllib.loads((DEPLOY / "dynmeshd.conf").read_text())["drain-timeout"]
+    time = tomllib.loads((DEPLOY / "dynmeshd.conf").read_text())["drain-timeout"]
+    return int(time.removesuffix("s"))
