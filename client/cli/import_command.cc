@@ -363,6 +363,13 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                   "other everywhere (default: 0.001 of the diagonal of the surface's box)")
       ->type_name("D");
   AddBoxFlag(*sub, command->box);
+  sub->add_option("--max-steps", command->max_steps,
+                  Concat("Give up cleaning a surface after so many comparisons, about a "
+                         "microsecond each (default: ",
+                         cleaning::kLeastSteps, ", or ", cleaning::kStepsForFeature,
+                         " for each feature if that is more)"))
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
   sub->add_flag(
       "--all", command->all,
       "With --clean of a surface: count all that a mesh still refuses, not the first ten");

@@ -263,7 +263,7 @@ TEST_F(ImportSurface, CleaningEndsAfterItsStepsWithAPlace) {
 }
 
 TEST_F(ImportSurface, WhatAMeshStillRefusesIsCountedUpToTen) {
-  folder_.Write("s.off", Soup(20));
+  folder_.Write("s.off", Soup(60));
   const Outcome ten = Run("import s.off --clean -o c.poly --json");
   ASSERT_EQ(ten.code, 0) << ten.err;
   const std::string all = Lines(Run("import s.off --clean -o c.poly --json --all").out).back();
