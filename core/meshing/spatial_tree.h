@@ -2,8 +2,9 @@
 // *places* of the self-adjusting engine, where operations subscribe to changes.
 //
 // It is the thesis's quadtree with relaxed crowding: a leaf holds up to 16 points instead of
-// one. The queries are the same, with an order of magnitude fewer cells. It is a plain function of
-// the present points, outside the time of the trace; queries filter by birth. No output of an
+// one. The queries are the same, with an order of magnitude fewer cells. It stands outside the time
+// of the trace; queries filter by birth. Its shape is a function of the present points, but for
+// leaves that CoverToKeep has split, which depend on the order of edits. So no output of an
 // operation may depend on its shape.
 //
 // Thread-compatible. Node 0 is the root. Removal merges leaves and reports each merge by on_merge.
