@@ -1,6 +1,7 @@
 // A server whose disk hangs in a sync: what it says, and what it does at the end.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -153,7 +154,8 @@ class StatedJournal final : public Journal {
     return absl::OkStatus();
   }
   absl::StatusOr<std::uint64_t> Oldest(Key) override { return 0; }
-  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&) override {
+  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&,
+                       const std::atomic<bool>&) override {
     return absl::OkStatus();
   }
 
