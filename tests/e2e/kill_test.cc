@@ -19,6 +19,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/killed_clients.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh {
@@ -26,7 +27,7 @@ namespace {
 using client::MeshClient;
 using test::Daemon;
 using test::Editor;
-using test::Seed;
+using test::NewSeed;
 using test::Streamer;
 using test::TempFolder;
 
