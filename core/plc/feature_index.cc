@@ -101,6 +101,7 @@ void FeatureIndex<2>::QueryWithin(const SegmentFeature<2>& s, double distance,
   const Point2 hi = {{std::max(s.p[0], s.q[0]), std::max(s.p[1], s.q[1])}};
   for (const auto& [id, hub] : hubs_) {
     ++*cost;
+    if (id == s.p_id || id == s.q_id) continue;  // all its segments have that end
     if (IsNear(*hub, lo, hi, distance)) {
       hub->segments.QueryWithin(s, distance, visit_segment, cost);
     }

@@ -65,7 +65,8 @@ class FeatureIndex<2> {
   void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
-  // Visits every segment less than `distance` away from segment `s`, and maybe others.
+  // Visits every segment less than `distance` away from segment `s` that has no end in common with
+  // it, and maybe others.
   void QueryWithin(const SegmentFeature<2>& s, double distance, VisitSegment visit_segment,
                    std::uint64_t* cost) const;
 

@@ -17,6 +17,7 @@
 #include "tests/server/meshes/edit_group_fixture.h"
 #include "tests/support/label_script.h"
 #include "tests/support/polygon_script.h"
+#include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/workload.h"
 
@@ -280,10 +281,7 @@ class SnapshotBytes : public SnapshotsTest {
     EXPECT_GE(compared, 2);
   }
 
-  const std::uint64_t seed_ = [] {
-    const char* given = std::getenv("DYNMESH_TEST_SEED");
-    return given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
-  }();
+  const std::uint64_t seed_ = test::NewSeed();
 };
 
 TEST_F(SnapshotBytes, AreThoseOfThePlanesFeatures) {
