@@ -64,8 +64,8 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
        {"reason", reason},
        {"client", client},
        {"peer", call.peer},
-       {"holders", holders},
        {"left_out", left_out},
+       {"holders", holders},
        {"message", status.error_message()}});
 }
 

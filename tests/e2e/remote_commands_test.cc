@@ -212,7 +212,7 @@ TEST_F(RemoteCommandsTest, ApplyWithAPrefixAndWatchGoOnAfterARestart) {
   const std::string script = Write("long.txt", text);
   client::ClientOptions own;
   own.own_connection = true;
-  for (const std::string mesh : {"streamed", "one-by-one"}) {
+  for (const std::string mesh : {"one-by-one"}) {
     SCOPED_TRACE(mesh);
     ASSERT_EQ(Remote({"create", mesh, "--like", script}).code, kExitDone);
     const auto client = client::MeshClient::Connect(daemon_.address(), own);
