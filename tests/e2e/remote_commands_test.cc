@@ -199,6 +199,39 @@ TEST_F(RemoteCommandsTest, ApplyingAgainWithTheSamePrefixRepeatsNothing) {
   EXPECT_EQ(Value(Remote({"stats", "plate", "--json"}).out, "revision"), "3");
 }
 
+// The server is killed in the middle, and is back at its address with its journal.
+TEST_F(RemoteCommandsTest, ApplyWithAPrefixAndWatchGoOnAfterARestart) {
+  const std::vector<std::string> flags = {"--data-dir", Path("data")};
+  ASSERT_TRUE(daemon_.Start(flags)) << daemon_.Log();
+  constexpr int kBatches = 300;
+  std::string text = "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\n";
+  for (int i = 1; i <= kBatches; ++i) {
+    absl::StrAppend(&text, "add point ", i, " ", 0.003 * i, " ", 0.1 + 0.003 * (i * 7 % kBatches),
+                    "\ncommit\n");
+  }
+  const std::string script = Write("long.txt", text);
+  client::ClientOptions own;
+  own.own_connection = true;
+  for (const std::string mesh : {"streamed", "one-by-one"}) {
+    SCOPED_TRACE(mesh);
+    ASSERT_EQ(Remote({"create", mesh, "--like", script}).code, kExitDone);
+    const auto client = client::MeshClient::Connect(daemon_.address(), own);
+    const auto watch = client->Watch(mesh, {}, nullptr);
+    std::vector<std::string> apply = {"apply", mesh, script, "--request-prefix", "p", "--quiet"};
+    if (mesh == "one-by-one") apply.push_back("--one-by-one");
+    Ran applied;
+    std::thread applying([&] { applied = Remote(apply); });
+    // In this thread: a server ends with the thread that started it.
+    EXPECT_TRUE(watch->WaitForRevision(20, absl::Minutes(1)));
+    daemon_.End(SIGKILL);
+    EXPECT_TRUE(daemon_.Start(flags, daemon_.address().c_str())) << daemon_.Log();
+    applying.join();
+    EXPECT_EQ(applied.code, kExitDone) << applied.err;
+    EXPECT_TRUE(watch->WaitForRevision(kBatches, absl::Minutes(1)));
+    EXPECT_EQ(Value(Remote({"stats", mesh, "--json"}).out, "revision"), std::to_string(kBatches));
+  }
+}
+
 TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   StartDaemon();
   const std::string bad = Write("bad.txt",
