@@ -1,16 +1,12 @@
 // Clients whose server ends and comes back at the same address. gRPC's own look at connections that
 // no call waits for, every five seconds, is switched off: what is tested does not rest on it. Nor
 // on the threads of the server, which is in this process: they look at its own connections only.
-#include <arpa/inet.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,6 +16,7 @@
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "tests/server/test_support.h"
 #include "tests/support/deadline.h"
+#include "tests/support/held_port.h"
 
 namespace dynmesh::client {
 namespace {
@@ -29,31 +26,6 @@ using server::Mailbox;
 // Before gRPC begins.
 const int switched_off = setenv("GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS", "0", 1) +
                          setenv("GRPC_POLL_STRATEGY", "poll", 1);
-
-// A port that no other program gets meanwhile. Without a server connections to it are refused.
-class HeldPort {
- public:
-  HeldPort() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const int on = 1;
-    sockaddr_in address = {};
-    socklen_t size = sizeof address;
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    setsockopt(socket_, SOL_SOCKET, SO_REUSEPORT, &on, sizeof on);  // as gRPC does
-    auto* const any = reinterpret_cast<sockaddr*>(&address);
-    if (bind(socket_, any, size) != 0 || getsockname(socket_, any, &size) != 0) {
-      throw std::runtime_error("there is no free port");
-    }
-    address_ = absl::StrCat("127.0.0.1:", ntohs(address.sin_port));
-  }
-  ~HeldPort() { close(socket_); }
-
-  const std::string& address() const { return address_; }
-
- private:
-  const int socket_;
-  std::string address_;
-};
 
 // Knows no mesh, while it is up.
 class ReturningServer final : public v1::MeshService::Service {
@@ -88,7 +60,7 @@ class ReturningServer final : public v1::MeshService::Service {
   int watches() const { return watches_; }
 
  private:
-  const HeldPort port_;
+  const test::HeldPort port_;
   std::atomic<int> watches_{0};
   std::unique_ptr<grpc::Server> server_;
 };

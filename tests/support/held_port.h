@@ -16,11 +16,12 @@ namespace dynmesh::test {
 
 class HeldPort {
  public:
-  // The socket is bound and does not listen. With the same option, as a server has that may be
-  // started again, another one can listen there.
+  // The socket is bound and does not listen: connections are refused. With the same options, as
+  // servers have that may be started again and as gRPC's have, another one can listen there.
   HeldPort() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const int yes = 1;
     setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    setsockopt(socket_, SOL_SOCKET, SO_REUSEPORT, &yes, sizeof(yes));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
