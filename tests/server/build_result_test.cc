@@ -9,7 +9,7 @@
 
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
-#include "tests/server/raw_build.h"
+#include "tests/server/raw_upload.h"
 #include "tests/server/server_fixture.h"
 
 namespace dynmesh::server {

@@ -6,7 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "dynmesh/error.h"
-#include "tests/server/raw_build.h"
+#include "tests/server/raw_upload.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 

@@ -9,6 +9,7 @@
 #include "dynmesh/error.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
+#include "tests/server/raw_upload.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 #include "tests/support/raw_http2.h"
@@ -33,59 +34,6 @@ LoadParams AtRevision7() {
   params.expected_revision = 7;
   return params;
 }
-
-// Raw, to send what the client library would not.
-class RawLoad {
- public:
-  explicit RawLoad(v1::MeshService::Stub& stub, const char* mesh = "meshes/m")
-      : stream_(stub.LoadFeatures(&context_)) {
-    message_.set_mesh(mesh);
-  }
-  v1::LoadFeaturesRequest& message() { return message_; }
-  void Add(const Feature& feature) { codec::EncodeFeature(feature, 2, message_.add_features()); }
-  bool Send() {
-    const bool ok = stream_->Write(message_);
-    message_.Clear();
-    return ok;
-  }
-  std::optional<Response> Receive() {
-    Response response;
-    if (!stream_->Read(&response)) return std::nullopt;
-    return response;
-  }
-  // Returns when the server has received the messages. It reports that with the first message
-  // half a second after it began the call: empty ones are sent until then.
-  std::optional<Response> WaitUntilReceived() {
-    std::atomic<bool> reported{false};
-    std::thread sender([&] {
-      while (!reported && Send()) absl::SleepFor(absl::Milliseconds(50));
-    });
-    auto response = Receive();
-    reported = true;
-    sender.join();
-    return response;
-  }
-  void HalfClose() { stream_->WritesDone(); }
-  // Reads to the end and returns the status; messages before it go to responses().
-  absl::Status Finish() {
-    while (auto response = Receive()) responses_.push_back(*response);
-    return codec::FromGrpcStatus(stream_->Finish());
-  }
-  absl::Status SendLastAndFinish() {
-    message_.set_last(true);
-    Send();
-    HalfClose();
-    return Finish();
-  }
-  const std::vector<Response>& responses() const { return responses_; }
-  grpc::ClientContext& context() { return context_; }
-
- private:
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::LoadFeaturesRequest, Response>> stream_;
-  v1::LoadFeaturesRequest message_;
-  std::vector<Response> responses_;
-};
 
 class LoadTest : public ServerFixture {
  protected:
