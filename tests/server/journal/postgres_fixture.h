@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "server/base/log.h"
@@ -21,8 +22,8 @@ class PostgresTest : public ::testing::Test {
   // `socket`: the folder of the socket that is used instead of the server's.
   JournalPtr Open(const PostgresOptions& options = {}, const std::string& socket = "") {
     auto opened = PostgresJournal::Open(server_.Url(database_, socket), options);
-    EXPECT_TRUE(opened.ok()) << opened.status();
-    return opened.ok() ? *std::move(opened) : nullptr;
+    if (!opened.ok()) throw std::runtime_error(opened.status().ToString());
+    return *std::move(opened);
   }
   std::string Sql(const std::string& sql) { return server_.Sql(database_, sql); }
 

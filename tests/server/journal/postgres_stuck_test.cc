@@ -44,8 +44,8 @@ TEST_F(PostgresStuckTest, ATransactionThatGoesOnNoMoreKeepsNoMesh) {
     // With connections of its own: nothing is prepared.
     const JournalPtr journal = Open(options, proxy_.folder());
     const Journal::Key key = *other->Create(absl::StrCat("m", skipped), "");
-    ASSERT_TRUE(journal->Claim(key).ok());
-    ASSERT_TRUE(journal->Append(key, Journal::Entry{1, "x"}, std::nullopt).ok());
+    ASSERT_TRUE(other->Append(key, Journal::Entry{1, "x"}, std::nullopt).ok());
+    test::WaitUntil("the mesh", [&] { return journal->Claim(key).ok(); });
     std::atomic<int> waiting{0};  // another thread writes it
     proxy_.CutNext(
         PostgresProxy::Cut::kLate, [&] { waiting = Waiting(); }, skipped);
