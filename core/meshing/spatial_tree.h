@@ -190,19 +190,8 @@ class SpatialTree {
   // of the box has one of the nodes on its path. Each node comes with the box's parts of its cell.
   template <class Visit>
   void Cover(const Extent<D>& box, Visit visit) const {
-    double side = 0;
-    for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
-    Cell stack[kStack];
-    int top = 0;
-    stack[top++] = SmallestAround(box, side);
-    while (top > 0) {
-      const Cell cell = stack[--top];
-      if (nodes_[cell.node].child == kNone || cell.half < side) {
-        visit(cell.node, PartsOf(box, cell));
-        continue;
-      }
-      PushChildrenIn(box, cell, stack, top);
-    }
+    CoverAndSplit(
+        box, [](const Cell&) { return false; }, visit);
   }
 
   // The same for a box that is kept at those nodes. Beside a row of points there may be a leaf as
@@ -210,24 +199,12 @@ class SpatialTree {
   // split if it is larger than the box and is_crowded(node).
   template <class IsCrowded, class Visit>
   void CoverToKeep(const Extent<D>& box, IsCrowded is_crowded, Visit visit) {
-    double side = 0;
-    for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
-    Cell stack[kStack];
-    int top = 0;
-    stack[top++] = SmallestAround(box, side);
-    while (top > 0) {
-      const Cell cell = stack[--top];
-      const bool is_larger = cell.half >= side;
-      if (is_larger && nodes_[cell.node].child == kNone && cell.half > least_half_ &&
-          is_crowded(cell.node)) {
-        Split(cell.node, cell);
-      }
-      if (!is_larger || nodes_[cell.node].child == kNone) {
-        visit(cell.node, PartsOf(box, cell));
-        continue;
-      }
-      PushChildrenIn(box, cell, stack, top);
-    }
+    const auto split = [&](const Cell& cell) {
+      if (!(cell.half > least_half_) || !is_crowded(cell.node)) return false;
+      Split(cell.node, cell);
+      return true;
+    };
+    CoverAndSplit(box, split, visit);
   }
 
   void Reserve(std::size_t points) {
@@ -371,6 +348,23 @@ class SpatialTree {
     }
     for (int k = 0; k < kChildren; ++k) {
       if (((k & high) | (~k & low)) == kChildren - 1) f(Child(cell, k));
+    }
+  }
+  // `split(leaf)`, of a leaf that is no smaller than the box: true if it has split it.
+  template <class SplitLeaf, class Visit>
+  void CoverAndSplit(const Extent<D>& box, SplitLeaf split, Visit visit) const {
+    double side = 0;
+    for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = SmallestAround(box, side);
+    while (top > 0) {
+      const Cell cell = stack[--top];
+      if (cell.half < side || (nodes_[cell.node].child == kNone && !split(cell))) {
+        visit(cell.node, PartsOf(box, cell));
+        continue;
+      }
+      PushChildrenIn(box, cell, stack, top);
     }
   }
   void PushChildrenIn(const Extent<D>& box, const Cell& cell, Cell* stack, int& top) const {
