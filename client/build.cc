@@ -13,11 +13,11 @@
 namespace dynmesh::client {
 namespace {
 
-using Request = v1::BuildMeshRequest;
-using Response = v1::BuildMeshResponse;
+using BuildRequest = v1::BuildMeshRequest;
+using BuildResponse = v1::BuildMeshResponse;
 
-Request FirstMessage(const MeshOptions& options, const BuildParams& params) {
-  Request message;
+BuildRequest FirstMessage(const MeshOptions& options, const BuildParams& params) {
+  BuildRequest message;
   EncodeNewOptions(options, message.mutable_options());
   message.set_engine(params.engine == BuildEngine::kSvr ? v1::BUILD_ENGINE_SVR
                                                         : v1::BUILD_ENGINE_DYNAMIC);
@@ -58,7 +58,7 @@ class Builder {
   }
 
  private:
-  using Stream = grpc::ClientReaderWriter<Request, Response>;
+  using Stream = grpc::ClientReaderWriter<BuildRequest, BuildResponse>;
 
   grpc::ClientContext* Prepare(Stub& stub, absl::Duration timeout) {
     stub.Prepare(context_, timeout);
@@ -68,7 +68,7 @@ class Builder {
   // Reads to the end even after an error.
   void Receive() {
     codec::SnapshotAssembler assembler;
-    Response response;
+    BuildResponse response;
     while (stream_->Read(&response)) {
       if (response.has_mesh()) {
         auto added = assembler.Add(response.mesh());
@@ -87,7 +87,7 @@ class Builder {
   const Stub::ServerPtr server_;
   grpc::ClientContext context_;
   const std::unique_ptr<Stream> stream_;
-  FeatureSender<Request, Stream> sender_;
+  FeatureSender<BuildRequest, Stream> sender_;
   std::optional<Mesh> mesh_;
   absl::Status broken_;
 };

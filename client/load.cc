@@ -12,7 +12,7 @@
 namespace dynmesh::client {
 namespace {
 
-using Response = v1::LoadFeaturesResponse;
+using LoadResponse = v1::LoadFeaturesResponse;
 
 v1::LoadFeaturesRequest FirstMessage(const std::string& mesh, const LoadParams& params) {
   v1::LoadFeaturesRequest message;
@@ -53,7 +53,7 @@ class Loader {
   }
 
  private:
-  using Stream = grpc::ClientReaderWriter<v1::LoadFeaturesRequest, Response>;
+  using Stream = grpc::ClientReaderWriter<v1::LoadFeaturesRequest, LoadResponse>;
 
   grpc::ClientContext* Prepare(Stub& stub, absl::Duration timeout) {
     stub.Prepare(context_, timeout);
@@ -61,7 +61,7 @@ class Loader {
   }
 
   void Receive() {
-    Response response;
+    LoadResponse response;
     while (stream_->Read(&response)) {
       call_.Heard(/*more=*/false);
       if (response.has_result()) {
@@ -86,17 +86,17 @@ class Loader {
 
 }  // namespace
 
-LoadProgress::Stage StageOf(Response::Stage stage) {
+LoadProgress::Stage StageOf(LoadResponse::Stage stage) {
   switch (stage) {
-    case Response::WAITING:
+    case LoadResponse::WAITING:
       return LoadProgress::Stage::kWait;
-    case Response::VALIDATING:
+    case LoadResponse::VALIDATING:
       return LoadProgress::Stage::kValidate;
-    case Response::REFINING:
+    case LoadResponse::REFINING:
       return LoadProgress::Stage::kRefine;
-    case Response::DIFFING:
+    case LoadResponse::DIFFING:
       return LoadProgress::Stage::kDiff;
-    case Response::JOURNALING:
+    case LoadResponse::JOURNALING:
       return LoadProgress::Stage::kWrite;
     default:
       return LoadProgress::Stage::kSend;

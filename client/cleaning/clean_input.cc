@@ -20,7 +20,7 @@ namespace {
 using text::Concat;
 
 // Half of the ids are left for new ones.
-constexpr EntryLimits kLimits = {2, 200, ~FeatureId{0} >> 1};
+constexpr EntryLimits kLimitsIn2D = {2, 200, ~FeatureId{0} >> 1};
 
 class Cleaner {
  public:
@@ -28,7 +28,8 @@ class Cleaner {
       : features_(features), options_(options), graph_(options.tolerance) {}
 
   absl::StatusOr<CleanResult> Run() {
-    const absl::StatusOr<FeatureId> max_id = CheckFeatures(features_, options_.tolerance, kLimits);
+    const absl::StatusOr<FeatureId> max_id =
+        CheckFeatures(features_, options_.tolerance, kLimitsIn2D);
     if (!max_id.ok()) return max_id.status();
     max_id_ = *max_id;
     EnterPoints<2>(features_, graph_, node_of_);

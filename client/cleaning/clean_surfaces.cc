@@ -19,7 +19,7 @@ namespace {
 using text::Concat;
 
 // Three quarters of the ids are left for new ones.
-constexpr EntryLimits kLimits = {3, 140, ~FeatureId{0} >> 2};
+constexpr EntryLimits kLimitsIn3D = {3, 140, ~FeatureId{0} >> 2};
 // How flat a polygon must be to stay one, in tolerances.
 constexpr double kFlat = 1.0 / 16;
 // Rounds that find no fewer faults than the best one before them.
@@ -39,7 +39,8 @@ class SurfaceCleaner {
         surface_(options.tolerance) {}
 
   absl::StatusOr<SurfaceCleanResult> Run() {
-    const absl::StatusOr<FeatureId> max_id = CheckFeatures(features_, options_.tolerance, kLimits);
+    const absl::StatusOr<FeatureId> max_id =
+        CheckFeatures(features_, options_.tolerance, kLimitsIn3D);
     if (!max_id.ok()) return max_id.status();
     surface_.next_id = *max_id + 1;
     EnterPoints<3>(features_, surface_, node_of_);

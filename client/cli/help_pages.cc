@@ -81,7 +81,7 @@ std::vector<const CLI::App*> CommandsOf(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-std::vector<std::string> NamesOf(const CLI::App& app) {
+std::vector<std::string> CommandNames(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* const command : CommandsOf(app)) names.push_back(command->get_name());
   return names;
@@ -142,7 +142,7 @@ int Run(const CLI::App& app, const HelpCommand& help) {
       return PrintOut(command->help(app.get_name())) ? kExitDone : kExitFailed;
     }
   }
-  const std::string nearest = Nearest(help.command, NamesOf(app));
+  const std::string nearest = Nearest(help.command, CommandNames(app));
   return ReportError(absl::InvalidArgumentError(
       Concat("no command ", text::Quoted(help.command),
              nearest.empty() ? "" : Concat("; did you mean ", text::Quoted(nearest), "?"))));
@@ -195,7 +195,7 @@ std::string Suggestion(const CLI::App& app, const std::vector<std::string>& argu
   };
   if (chosen == nullptr) {
     if (arguments[0].starts_with("-")) return "";
-    const std::string nearest = Nearest(arguments[0], NamesOf(app));
+    const std::string nearest = Nearest(arguments[0], CommandNames(app));
     return Concat("; there is no command ", text::Quoted(arguments[0]),
                   nearest.empty() ? ": `dynmesh --help` lists them" : say(nearest));
   }

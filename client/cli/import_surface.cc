@@ -35,8 +35,8 @@ using text::Concat;
 
 // Tolerances in units of the distance below which a mesh refuses features as too close. Cleaning
 // keeps a fourth of the tolerance from faces.
-constexpr double kDefaultCloseLimits = 8;
-constexpr double kLeastCloseLimits = 5;
+constexpr double kDefaultSurfaceLimits = 8;
+constexpr double kLeastSurfaceLimits = 5;
 
 double DistanceOf(const SurfaceChange& change) {
   // For these kinds `from` and `to` are two places, not a motion.
@@ -182,7 +182,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
   io::FeatureLabels labels = *input.labels;
   if (command.clean) {
     const absl::StatusOr<double> tolerance =
-        ToleranceOf(command.tolerance, input.options, kDefaultCloseLimits, kLeastCloseLimits);
+        ToleranceOf(command.tolerance, input.options, kDefaultSurfaceLimits, kLeastSurfaceLimits);
     if (!tolerance.ok()) return ReportError(tolerance.status());
     cleaning::SurfaceCleanOptions options;
     options.tolerance = *tolerance;

@@ -125,7 +125,6 @@ bool Excuses::AreNarrow(const io::IndexedMesh::Face& f, const io::IndexedMesh::F
 
 bool Excuses::IsNarrow(std::uint32_t way, const io::IndexedMesh::Face& face,
                        std::uint32_t corner) const {
-  using Vector = std::array<Real, 3>;
   const auto to = [&](std::uint32_t v) {
     const auto a = mesh_.vertices[corner].position(), b = mesh_.vertices[v].position();
     Vector d = {Real{b[0]} - a[0], Real{b[1]} - a[1], Real{b[2]} - a[2]};
@@ -186,7 +185,7 @@ bool Excuses::IsOfSegments(std::uint32_t p, std::uint32_t q) const {
   return false;
 }
 
-Excuses::Real Excuses::Distance(std::uint32_t p, std::uint32_t q) const {
+Real Excuses::Distance(std::uint32_t p, std::uint32_t q) const {
   const auto a = mesh_.vertices[p].position(), b = mesh_.vertices[q].position();
   return std::hypot(Real{a[0]} - b[0], Real{a[1]} - b[1], Real{a[2]} - b[2]);
 }

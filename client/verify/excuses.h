@@ -15,14 +15,13 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/verify/vectors.h"
 #include "core/io/meshes/indexed_mesh.h"
 
 namespace dynmesh::cli {
 
 class Excuses {
  public:
-  using Real = long double;
-
   // `ulp`: the spacing of doubles at the largest coordinate. The mesh must outlive the object.
   Excuses(const io::IndexedMesh& mesh, double ulp);
 

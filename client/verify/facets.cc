@@ -20,8 +20,6 @@ namespace dynmesh::cli {
 namespace {
 
 using text::Concat;
-using Real = FlatPolygon::Real;
-using Vector = FlatPolygon::Vector;
 using Flat = FlatPolygon::Flat;
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 

@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "client/verify/vectors.h"
+
 namespace dynmesh::cli {
 
 // A polygon's plane, by its largest ring, and its rings projected along the axis with the largest
 // component of the normal.
 class FlatPolygon {
  public:
-  using Real = long double;
-  using Vector = std::array<Real, 3>;
   using Flat = std::array<Real, 2>;
 
   static Vector ToVector(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
@@ -31,7 +31,7 @@ class FlatPolygon {
       }
       if (Dot(normal, normal) > Dot(normal_, normal_)) normal_ = normal, origin_ = ring[0];
     }
-    const Real length = std::sqrt(Dot(normal_, normal_));
+    const Real length = Norm(normal_);
     for (Real& c : normal_) c /= length;
     for (std::size_t k = 1; k < 3; ++k) {
       if (std::abs(normal_[k]) > std::abs(normal_[axis_])) axis_ = k;
@@ -88,8 +88,7 @@ class FlatPolygon {
     Real sum = 0;
     for (const auto& ring : rings_) {
       for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Vector d = Minus(ring[(i + 1) % ring.size()], ring[i]);
-        sum += std::sqrt(Dot(d, d));
+        sum += Norm(Minus(ring[(i + 1) % ring.size()], ring[i]));
       }
     }
     return sum;
@@ -101,16 +100,6 @@ class FlatPolygon {
   }
 
  private:
-  static Vector Minus(const Vector& u, const Vector& v) {
-    return {u[0] - v[0], u[1] - v[1], u[2] - v[2]};
-  }
-  static Vector Cross(const Vector& u, const Vector& v) {
-    return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-  }
-  static Real Dot(const Vector& u, const Vector& v) {
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-  }
-
   bool IsInside(const Flat& at, const std::vector<Vector>& ring) const {
     bool inside = false;
     for (std::size_t i = 0; i < ring.size(); ++i) {

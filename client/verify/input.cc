@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -20,11 +21,11 @@ namespace {
 
 using text::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Position = std::array<std::uint64_t, 3>;
+using PositionBits = std::array<std::uint64_t, 3>;
 
 // In 2D z is 0, whatever the file has.
-Position PositionOf(const std::array<double, 3>& p, int dimension) {
-  Position position = {};
+PositionBits PositionOf(const std::array<double, 3>& p, int dimension) {
+  PositionBits position = {};
   for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
     position[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
   }
@@ -171,7 +172,6 @@ class InputCheck {
 
   // True if every step goes forward (exactly) and no vertex is off the line by more than rounding.
   bool IsStraight(const std::vector<std::uint32_t>& chain) const {
-    using Real = long double;
     const auto from = [&](std::uint32_t v) {
       const auto &p = mesh_.vertices[chain.front()], &q = mesh_.vertices[v];
       return std::array<Real, 3>{Real{q.x} - p.x, Real{q.y} - p.y, Real{q.z} - p.z};
@@ -216,7 +216,7 @@ class InputCheck {
   const std::vector<Feature>& features_;
   Chains* const chains_;
   const double tolerance_;
-  absl::flat_hash_map<Position, std::uint32_t> vertex_at_;
+  absl::flat_hash_map<PositionBits, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
   std::map<FeatureId, std::vector<Joint>> wanted_;  // by owner
   absl::flat_hash_map<FeatureId, const Feature*> points_;

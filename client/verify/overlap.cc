@@ -19,7 +19,7 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using text::Concat;
-using Position = std::array<double, 3>;
+using GridPoint = std::array<double, 3>;
 
 // A grid of some n cells; items in each cell that their boxes meet.
 class Grid {
@@ -27,7 +27,7 @@ class Grid {
   Grid(const io::IndexedMesh& mesh, std::size_t cells)
       : d_(static_cast<std::size_t>(mesh.dimension)) {
     lo_.fill(HUGE_VAL);
-    Position hi;
+    GridPoint hi;
     hi.fill(-HUGE_VAL);
     for (const auto& v : mesh.vertices) {
       for (std::size_t k = 0; k < d_; ++k) {
@@ -42,12 +42,12 @@ class Grid {
     items_.resize(d_ == 2 ? count_ * count_ : count_ * count_ * count_);
   }
 
-  void Add(std::uint32_t item, const Position& lo, const Position& hi) {
+  void Add(std::uint32_t item, const GridPoint& lo, const GridPoint& hi) {
     ForEachCell(lo, hi, [&](std::vector<std::uint32_t>& cell) { cell.push_back(item); });
   }
   // Calls f(item) for the items of cells that the box meets, some several times.
   template <class F>
-  void ForEach(const Position& lo, const Position& hi, F f) {
+  void ForEach(const GridPoint& lo, const GridPoint& hi, F f) {
     ForEachCell(lo, hi, [&](const std::vector<std::uint32_t>& cell) {
       for (const std::uint32_t item : cell) f(item);
     });
@@ -59,7 +59,7 @@ class Grid {
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count_ - 1)));
   }
   template <class F>
-  void ForEachCell(const Position& lo, const Position& hi, F f) {
+  void ForEachCell(const GridPoint& lo, const GridPoint& hi, F f) {
     std::array<std::size_t, 3> a = {0, 0, 0}, b = {0, 0, 0};
     for (std::size_t k = 0; k < d_; ++k) a[k] = CellOf(lo[k], k), b[k] = CellOf(hi[k], k);
     for (std::size_t z = a[2]; z <= b[2]; ++z) {
@@ -70,17 +70,17 @@ class Grid {
   }
 
   const std::size_t d_;
-  Position lo_, half_step_ = {1, 1, 1};
+  GridPoint lo_, half_step_ = {1, 1, 1};
   std::size_t count_ = 1;
   std::vector<std::vector<std::uint32_t>> items_;
 };
 
 template <std::size_t N>
-std::pair<Position, Position> BoxOf(const io::IndexedMesh& mesh,
-                                    const std::array<std::uint32_t, N>& corners) {
-  Position lo = mesh.vertices[corners[0]].position(), hi = lo;
+std::pair<GridPoint, GridPoint> BoxOf(const io::IndexedMesh& mesh,
+                                      const std::array<std::uint32_t, N>& corners) {
+  GridPoint lo = mesh.vertices[corners[0]].position(), hi = lo;
   for (const std::uint32_t v : corners) {
-    const Position p = mesh.vertices[v].position();
+    const GridPoint p = mesh.vertices[v].position();
     for (std::size_t k = 0; k < 3; ++k)
       lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
   }
@@ -149,7 +149,7 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
     const auto box = BoxOf(mesh, simplices[i]);
     const auto &lo = box.first, &hi = box.second;
     vertices.ForEach(lo, hi, [&](std::uint32_t v) {
-      const Position p = mesh.vertices[v].position();
+      const GridPoint p = mesh.vertices[v].position();
       for (std::size_t k = 0; k + 1 < N; ++k) {
         if (p[k] < lo[k] || p[k] > hi[k]) return;
       }

@@ -17,9 +17,6 @@
 namespace dynmesh::cli {
 namespace {
 
-using Real = FlatPolygon::Real;
-using Vector = FlatPolygon::Vector;
-
 class OwnerSearch {
  public:
   OwnerSearch(const std::vector<Feature>& features, io::IndexedMesh& mesh)

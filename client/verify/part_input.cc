@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -23,8 +24,6 @@ namespace {
 
 using text::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Real = long double;
-using Vector = std::array<Real, 3>;
 
 class PartInputCheck {
  public:

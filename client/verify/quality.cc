@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "client/verify/excuses.h"
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -14,7 +15,6 @@ namespace dynmesh::cli {
 namespace {
 
 Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
-  using Real = long double;
   const auto& a = mesh.vertices[t[0]];
   const auto& b = mesh.vertices[t[1]];
   const auto& c = mesh.vertices[t[2]];
@@ -45,7 +45,6 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
 // (circumradius / shortest edge that is not excused)^2; 0 if all are excused.
 long double RatioSquared(const io::IndexedMesh& mesh, const Excuses& excuses,
                          const io::IndexedMesh::Triangle& t, long double* shortest) {
-  using Real = long double;
   Real product = 1;
   for (int i = 0; i < 3; ++i) product *= excuses.Distance(t[i], t[(i + 1) % 3]);
   *shortest = excuses.ShortestOf(t);
@@ -61,7 +60,6 @@ long double RatioSquared(const io::IndexedMesh& mesh, const Excuses& excuses,
 // the subsegment. Tested by the angle at the point: at least a right one.
 class Guarded {
  public:
-  using Real = long double;
   Guarded(const io::IndexedMesh& mesh, double rho) : mesh_(mesh), rho_(rho) {}
 
   bool Excuses(const io::IndexedMesh::Triangle& t) {

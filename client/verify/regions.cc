@@ -165,7 +165,7 @@ ExactKernel::Point_2 Centroid(const Kernel::Point_2 (&corner)[3]) {
   return {x / 3, y / 3};
 }
 
-std::string NameOf(const std::vector<FeatureId>& polygons) {
+std::string NameOfRegion(const std::vector<FeatureId>& polygons) {
   if (polygons.empty()) return "no polygon";
   return Concat(polygons.size() == 1 ? "polygon " : "polygons ", io::FormatPolygons(polygons));
 }
@@ -193,8 +193,8 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>
     const std::uint32_t number = mesh.regions.Of(t);
     const std::vector<FeatureId>& said = number == 0 ? none : mesh.regions.polygons[number - 1];
     if (said == found.inside) continue;
-    findings.Add(
-        Concat(TriangleName(t), " is in ", NameOf(found.inside), "; the mesh says ", NameOf(said)));
+    findings.Add(Concat(TriangleName(t), " is in ", NameOfRegion(found.inside), "; the mesh says ",
+                        NameOfRegion(said)));
   }
   return findings.Take();
 }

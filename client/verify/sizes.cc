@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -18,22 +19,13 @@ namespace dynmesh::cli {
 namespace {
 
 using text::Concat;
-using Real = long double;
-using Vector = std::array<Real, 3>;  // z is 0 in 2D
 
 constexpr Real kHair = 1e-9L;
 
-Vector operator-(const Vector& a, const Vector& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Real Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector Cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Vector operator-(const Vector& a, const Vector& b) { return Minus(a, b); }
 Vector Along(const Vector& a, const Vector& b, Real t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
-Real Norm(const Vector& a) { return std::sqrt(Dot(a, a)); }
 
 Real PointToSegment(const Vector& x, const Vector& a, const Vector& b) {
   const Vector u = b - a;

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -20,7 +21,7 @@ struct Bounds {
   std::array<double, 3> lo, hi;
 };
 
-Bounds BoundsOf(const io::IndexedMesh& mesh) {
+Bounds BoxOf(const io::IndexedMesh& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const auto& v : mesh.vertices) {
@@ -45,7 +46,6 @@ bool IsOnASide(const Bounds& b, const io::IndexedMesh& mesh, const Triple& v) {
 
 // The sum of the signed volumes, divided by the box's volume.
 long double VolumeShare(const io::IndexedMesh& mesh, const Bounds& b) {
-  using Real = long double;
   // In units of the box, to avoid overflow.
   const auto scaled = [&](std::uint32_t v) {
     const std::array<double, 3> p = mesh.vertices[v].position();
@@ -137,7 +137,7 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Face>& 
 
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces) {
   Findings findings("box");
-  const Bounds bounds = BoundsOf(mesh);
+  const Bounds bounds = BoxOf(mesh);
   std::uint64_t border = 0;
   ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
     if (count != 1) return;

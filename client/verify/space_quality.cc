@@ -12,22 +12,14 @@
 #include <vector>
 
 #include "client/verify/excuses.h"
+#include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using Real = long double;
-using Vector = std::array<Real, 3>;
 using ExactKernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
-
-Vector Minus(const Vector& u, const Vector& v) { return {u[0] - v[0], u[1] - v[1], u[2] - v[2]}; }
-Real Dot(const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
-Vector Cross(const Vector& u, const Vector& v) {
-  return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-}
-Real Norm(const Vector& u) { return std::hypot(u[0], u[1], u[2]); }
 
 std::array<ExactKernel::Point_3, 4> ExactCorners(const io::IndexedMesh& mesh,
                                                  const io::IndexedMesh::Tetrahedron& t) {

@@ -144,7 +144,7 @@ std::map<std::size_t, FeatureId> NameChambers(const std::vector<Wall>& walls, st
   return names;
 }
 
-std::string NameOf(const std::vector<FeatureId>& surfaces) {
+std::string NameOfChamber(const std::vector<FeatureId>& surfaces) {
   if (surfaces.empty()) return "no closed surface";
   return Concat(surfaces.size() == 1 ? "surface " : "surfaces ", io::FormatPolygons(surfaces));
 }
@@ -207,8 +207,8 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
     const std::vector<FeatureId>& said = number == 0 ? none : mesh.regions.polygons[number - 1];
     const std::vector<FeatureId>& wanted = inside[cell_of[t]];
     if (said == wanted) continue;
-    findings.Add(
-        Concat(TetrahedronName(t), " is in ", NameOf(wanted), "; the mesh says ", NameOf(said)));
+    findings.Add(Concat(TetrahedronName(t), " is in ", NameOfChamber(wanted), "; the mesh says ",
+                        NameOfChamber(said)));
   }
   return findings.Take();
 }

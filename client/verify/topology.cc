@@ -70,7 +70,7 @@ struct Rectangle {
   double x0, y0, x1, y1;
 };
 
-Rectangle BoundsOf(const io::IndexedMesh& mesh) {
+Rectangle RectangleOf(const io::IndexedMesh& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Rectangle r{kInfinity, kInfinity, -kInfinity, -kInfinity};
   for (const auto& v : mesh.vertices) {
@@ -119,7 +119,7 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& 
 
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides) {
   Findings findings("box");
-  const Rectangle box = BoundsOf(mesh);
+  const Rectangle box = RectangleOf(mesh);
   const std::vector<BorderEdge> border = CollectBorder(sides);
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> next(mesh.vertices.size(), kNone);

@@ -41,7 +41,7 @@ double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
 }
 
 // The common parts of two facets.
-struct Common {
+struct CommonCorners {
   std::size_t edges = 0;
   double cosine = -1;              // the greatest cosine of the angles at common edges
   std::vector<FeatureId> corners;  // ascending, no duplicates
@@ -49,8 +49,8 @@ struct Common {
 };
 
 // REQUIRES: f has no more corners than g.
-Common FindCommon(const Facet& f, const Facet& g) {
-  Common common;
+CommonCorners FindCommon(const Facet& f, const Facet& g) {
+  CommonCorners common;
   for (const Facet::Corner& c : f.corners()) {
     if (!g.HasCorner(c.id)) continue;
     if (common.corners.empty() || common.corners.back() != c.id) common.corners.push_back(c.id);
@@ -74,7 +74,7 @@ Common FindCommon(const Facet& f, const Facet& g) {
 // The greatest cosine of edges of g over f at common corners. Beside common edges, the angle at
 // these is decisive. So only edges that lead away from all common edges count, over another part of
 // f.
-double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
+double CosineAtCorners(const Facet& f, const Facet& g, const CommonCorners& common) {
   if (!Counts(ValidationTerm::kAngleOfFacetsAtCorners)) return -1;
   double cosine = 0;
   for (const FeatureId point : common.corners) {
@@ -148,7 +148,7 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
 
 Conflict Between(const Facet& f, const Facet& g, double limit) {
   if (f.corners().size() > g.corners().size()) return Between(g, f, limit);
-  const Common common = FindCommon(f, g);
+  const CommonCorners common = FindCommon(f, g);
   if (common.corners.empty()) return Conflict::kNone;
   if (Counts(ValidationTerm::kFacetsDiffer) && common.edges == f.corners().size() &&
       common.edges == g.corners().size()) {
@@ -172,7 +172,7 @@ double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
 
 double LeastAngle(const Facet& f, const Facet& g) {
   if (f.corners().size() > g.corners().size()) return LeastAngle(g, f);
-  const Common common = FindCommon(f, g);
+  const CommonCorners common = FindCommon(f, g);
   const double at_corners = std::max(CosineAtCorners(f, g, common), CosineAtCorners(g, f, common));
   return std::min(Degrees(common.cosine), Degrees(at_corners));
 }

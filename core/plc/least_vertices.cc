@@ -141,10 +141,6 @@ bool HasSharpCorner(const std::vector<Point3>& ring) {
 
 double NormOf(const Vector3& v) { return std::sqrt(Dot(v, v)); }
 
-Vector3 Cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 // The greatest distance of p's projection outside of the convex ring of g; infinite if the ring is
 // not convex.
 double Overhang(const std::vector<Point3>& ring, const Vector3& normal, const Point3& p) {

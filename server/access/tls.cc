@@ -31,7 +31,7 @@ struct Free {
 template <typename T>
 using Owned = std::unique_ptr<T, Free>;
 
-constexpr absl::Duration kBetweenLooks = absl::Seconds(1);
+constexpr absl::Duration kBetweenReadings = absl::Seconds(1);
 
 // The result of one reading of the files.
 struct Material {
@@ -131,7 +131,7 @@ class FileCredentials final : public TlsCredentials {
 
   void Look(absl::Time now) override {
     const std::lock_guard lock(mutex_);
-    if (now - looked_ < kBetweenLooks && now >= looked_) return;
+    if (now - looked_ < kBetweenReadings && now >= looked_) return;
     looked_ = now;
     ReadAgainIfChanged();
     if (next_.has_value() && MayReplace(*next_, now)) UseNext();

@@ -16,10 +16,7 @@
 namespace dynmesh::server {
 namespace {
 
-using Request = v1::BuildMeshRequest;
-using Response = v1::BuildMeshResponse;
-
-class BuildCall final : public PartsCall<Request, Response> {
+class BuildCall final : public PartsCall<v1::BuildMeshRequest, v1::BuildMeshResponse> {
  public:
   explicit BuildCall(ServiceContext& context) : PartsCall(context) {}
 
@@ -59,7 +56,7 @@ class BuildCall final : public PartsCall<Request, Response> {
   absl::string_view IncompleteMessage() const override {
     return "the stream ended before the build's last part";
   }
-  v1::LoadFeaturesResponse* ProgressIn(Response* message) override {
+  v1::LoadFeaturesResponse* ProgressIn(v1::BuildMeshResponse* message) override {
     return message->mutable_progress();
   }
   // A mesh that is there is sent.
@@ -134,7 +131,7 @@ class BuildCall final : public PartsCall<Request, Response> {
 
 }  // namespace
 
-grpc::ServerBidiReactor<Received<Request>, Response>* StartBuildCall(
+grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>* StartBuildCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
   return BuildCall::Start(context, streams, pass, rpc);

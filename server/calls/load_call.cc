@@ -19,7 +19,7 @@
 namespace dynmesh::server {
 namespace {
 
-using Response = v1::LoadFeaturesResponse;
+using LoadResponse = v1::LoadFeaturesResponse;
 
 class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse> {
  public:
@@ -59,7 +59,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   absl::string_view IncompleteMessage() const override {
     return "the stream ended before the load's last part: nothing was applied";
   }
-  Response* ProgressIn(Response* message) override { return message; }
+  LoadResponse* ProgressIn(LoadResponse* message) override { return message; }
 
   const std::string* MeshToOpen() override { return &request().mesh(); }
 
@@ -100,7 +100,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     if (!BeginWork()) return;
     Log(LogLevel::kDebug, "load_received",
         {{"mesh", host_->id()}, {"call", job_.call_id}, {"features", job_.edits.size()}});
-    Tell(Response::WAITING, 0, 0, /*now=*/true);
+    Tell(LoadResponse::WAITING, 0, 0, /*now=*/true);
     job_.progress = [this, held = self_](const BatchProgress& p) {
       Tell(StageOf(p.stage), p.done, p.total);
     };
@@ -154,7 +154,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   LoadParts parts_;
   EditJob job_;
 
-  std::optional<Response> result_;  // after the work
+  std::optional<LoadResponse> result_;  // after the work
 };
 
 }  // namespace

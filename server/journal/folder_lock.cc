@@ -17,7 +17,7 @@ namespace dynmesh::server {
 namespace {
 
 // `pid`: what the file `lock` has; empty if it was removed.
-absl::Status InUse(const std::string& folder, const std::string& pid) {
+absl::Status FolderInUse(const std::string& folder, const std::string& pid) {
   return absl::FailedPreconditionError(
       absl::StrCat(folder, " is in use by ",
                    pid.empty() ? "another process, and its file `lock` was removed"
@@ -49,13 +49,13 @@ absl::StatusOr<FolderLock> FolderLock::Take(const std::string& folder) {
   // File systems of a network may have no locks of folders: the file's is left then.
   if (lock.folder_ >= 0 && flock(lock.folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     lock.file_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    return InUse(folder, lock.file_ < 0 ? std::string() : PidIn(lock.file_));
+    return FolderInUse(folder, lock.file_ < 0 ? std::string() : PidIn(lock.file_));
   }
   lock.file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock.file_ < 0) {
     return absl::UnavailableError(absl::StrCat("cannot open ", path, ": ", std::strerror(errno)));
   }
-  if (flock(lock.file_, LOCK_EX | LOCK_NB) != 0) return InUse(folder, PidIn(lock.file_));
+  if (flock(lock.file_, LOCK_EX | LOCK_NB) != 0) return FolderInUse(folder, PidIn(lock.file_));
   // For information only: a failure to write it does not affect the lock.
   const std::string mine = absl::StrCat(getpid(), "\n");
   if (ftruncate(lock.file_, 0) != 0 || pwrite(lock.file_, mine.data(), mine.size(), 0) < 0) {

@@ -13,7 +13,7 @@ namespace {
 
 using sqlite::Connection;
 using sqlite::Statement;
-using Head = HeadsFile::Head;
+using RecordedHead = HeadsFile::Head;
 
 absl::StatusOr<std::int64_t> SumOfEntry(Connection& connection, HeadsFile::Key mesh,
                                         std::uint64_t revision, bool* there) {
@@ -23,9 +23,9 @@ absl::StatusOr<std::int64_t> SumOfEntry(Connection& connection, HeadsFile::Key m
   return *there ? entry.Integer(0) : 0;
 }
 
-absl::Status Complete(Connection& connection, const std::map<HeadsFile::Key, Head>& recorded,
-                      FoundMesh* mesh) {
-  Head& head = mesh->head;
+absl::Status Complete(Connection& connection,
+                      const std::map<HeadsFile::Key, RecordedHead>& recorded, FoundMesh* mesh) {
+  RecordedHead& head = mesh->head;
   Statement last(connection, "SELECT ifnull(max(number), 0) FROM requests WHERE mesh = ?");
   last.Bind(head.key).Step();
   if (!last.status().ok()) return last.status();
@@ -45,9 +45,9 @@ absl::Status Complete(Connection& connection, const std::map<HeadsFile::Key, Hea
 }  // namespace
 
 absl::StatusOr<std::vector<FoundMesh>> FindMeshes(Connection& connection,
-                                                  const std::vector<Head>& recorded) {
-  std::map<HeadsFile::Key, Head> heads;
-  for (const Head& head : recorded) heads.emplace(head.key, head);
+                                                  const std::vector<RecordedHead>& recorded) {
+  std::map<HeadsFile::Key, RecordedHead> heads;
+  for (const RecordedHead& head : recorded) heads.emplace(head.key, head);
   std::vector<FoundMesh> meshes;
   {
     Statement rows(connection, "SELECT key, id, head, checksum, description FROM meshes");

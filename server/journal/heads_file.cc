@@ -29,7 +29,7 @@ using heads::kBlockBytes;
 using heads::kSlotsInBlock;
 using heads::SlotReader;
 
-constexpr char kMagic[] = "dynmesh heads 1\n";
+constexpr char kHeadsMagic[] = "dynmesh heads 1\n";
 constexpr std::chrono::seconds kBetweenSyncs{1};
 
 absl::Status Failed(absl::string_view doing) {
@@ -115,7 +115,7 @@ bool HeadsFile::LoadHeader(const std::string& bytes) {
   const std::optional<FoundSlot> found = FindSlot(0, bytes);
   if (!found.has_value() || found->blank) return false;
   SlotReader reader(found->content);
-  if (reader.Bytes(sizeof(kMagic) - 1) != kMagic) return false;
+  if (reader.Bytes(sizeof(kHeadsMagic) - 1) != kHeadsMagic) return false;
   journal_ = reader.Bytes(kIdBytes);
   confirmed_ = greatest_ = reader.Signed();
   position_.salt = reader.Number();
@@ -167,7 +167,7 @@ absl::Status HeadsFile::Write(std::size_t slot, const std::string& content) {
 }
 
 absl::Status HeadsFile::WriteHeader() {
-  std::string content = kMagic;
+  std::string content = kHeadsMagic;
   content += journal_;
   AddNumber(static_cast<std::uint64_t>(confirmed_), &content);
   AddNumber(position_.salt, &content);

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kSumBytes = 8, kContentAt = 16;
 static_assert(kContentAt + kContentBytes == kSlotBytes);
 
-std::uint64_t SumOf(std::size_t offset, absl::string_view rest) {
+std::uint64_t SumOfSlot(std::size_t offset, absl::string_view rest) {
   return static_cast<std::uint64_t>(RowSumOf(static_cast<std::int64_t>(offset), rest));
 }
 
@@ -32,7 +32,7 @@ std::string EncodeSlot(std::size_t offset, std::uint64_t sequence, const std::st
   rest += content;
   rest.resize(kSlotBytes - kSumBytes);
   std::string bytes;
-  AddNumber(SumOf(offset, rest), &bytes);
+  AddNumber(SumOfSlot(offset, rest), &bytes);
   return bytes + rest;
 }
 
@@ -45,7 +45,7 @@ std::optional<FoundSlot> FindSlot(std::size_t slot, const std::string& file) {
     const absl::string_view all(file.data() + at, kSlotBytes);
     if (std::all_of(all.begin(), all.end(), [](char c) { return c == 0; })) continue;
     SlotReader reader(all);
-    if (reader.Number() != SumOf(at, all.substr(kSumBytes))) {
+    if (reader.Number() != SumOfSlot(at, all.substr(kSumBytes))) {
       torn = true;
       continue;
     }

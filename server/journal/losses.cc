@@ -10,11 +10,11 @@
 namespace dynmesh::server {
 namespace {
 
-using Head = HeadsFile::Head;
+using RecordedHead = HeadsFile::Head;
 using State = HeadsFile::State;
 
 // nullopt: no loss.
-std::optional<Loss::Kind> KindOf(const Head& recorded, const FoundMesh& found) {
+std::optional<Loss::Kind> KindOf(const RecordedHead& recorded, const FoundMesh& found) {
   if (recorded.state == State::kUnconfirmed) return Loss::Kind::kUnconfirmed;
   if (found.named && found.head.id.substr(0, HeadsFile::kMaxNameBytes) != recorded.id) {
     return Loss::Kind::kOther;
@@ -63,7 +63,7 @@ std::string SayableName(HeadsFile::Key key, absl::string_view id) {
   return IsMeshId(id) ? std::string(id) : RowName(key);
 }
 
-std::string SayableName(const FoundMesh& mesh, const Head* recorded,
+std::string SayableName(const FoundMesh& mesh, const RecordedHead* recorded,
                         const std::map<std::string, int>& others) {
   if (mesh.named) return SayableName(mesh.head.key, mesh.head.id);
   const auto count = [&](const std::string& id) {
@@ -78,7 +78,7 @@ std::string SayableName(const FoundMesh& mesh, const Head* recorded,
                                   : RowName(mesh.head.key);
 }
 
-std::vector<Loss> FindLosses(const std::vector<Head>& recorded, HeadsFile::Key confirmed,
+std::vector<Loss> FindLosses(const std::vector<RecordedHead>& recorded, HeadsFile::Key confirmed,
                              const std::vector<FoundMesh>& found) {
   std::map<HeadsFile::Key, const FoundMesh*> by_key;
   std::map<std::string, int> names;
@@ -87,7 +87,7 @@ std::vector<Loss> FindLosses(const std::vector<Head>& recorded, HeadsFile::Key c
     ++names[mesh.head.id];
   }
   std::map<HeadsFile::Key, Loss> losses;
-  for (const Head& head : recorded) {
+  for (const RecordedHead& head : recorded) {
     const auto it = by_key.find(head.key);
     if (it == by_key.end()) {
       if (head.state == State::kDeleting) continue;
@@ -126,7 +126,7 @@ std::string CodeOf(const std::vector<Loss>& losses) {
   RowSum sum;
   for (const Loss& loss : losses) {
     sum.Add(std::int64_t{loss.key()}).Add(static_cast<std::int64_t>(loss.kind));
-    for (const Head* head : {&loss.recorded, &loss.found}) {
+    for (const RecordedHead* head : {&loss.recorded, &loss.found}) {
       sum.Add(static_cast<std::int64_t>(head->revision)).Add(head->sum).Add(head->requests);
     }
   }

@@ -11,7 +11,7 @@
 namespace dynmesh::server {
 namespace {
 
-constexpr char kAdvice[] = "ask for one that is";
+constexpr char kPastAdvice[] = "ask for one that is";
 
 }  // namespace
 
@@ -25,7 +25,7 @@ absl::StatusOr<FeaturesAt> MeshHistory::At(std::uint64_t revision, const Head& h
 absl::StatusOr<MeshHistory::Span> MeshHistory::Between(std::uint64_t from, std::uint64_t to,
                                                        const Head& head,
                                                        const std::atomic<bool>* cancelled) const {
-  if (from > head.revision) return FutureRevision(from, head, std::nullopt, kAdvice);
+  if (from > head.revision) return FutureRevision(from, head, std::nullopt, kPastAdvice);
   PastFeatures past(dimension_, empty_, cancelled);
   Span span;
   bool begun = false;
@@ -56,7 +56,7 @@ absl::Status MeshHistory::ErrorOf(const absl::Status& status, std::uint64_t revi
   if (absl::IsNotFound(status)) return MeshDeletedError(id_);
   if (absl::IsOutOfRange(status)) {
     const absl::StatusOr<std::uint64_t> oldest = journal_->Oldest(key_);
-    if (oldest.ok()) return CompactedRevision(revision, head, *oldest, kAdvice);
+    if (oldest.ok()) return CompactedRevision(revision, head, *oldest, kPastAdvice);
     return ErrorOf(oldest.status(), revision, head);
   }
   return MeshError(

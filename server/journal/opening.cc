@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using sqlite::Connection;
 using sqlite::Statement;
-using Head = HeadsFile::Head;
+using RecordedHead = HeadsFile::Head;
 using State = HeadsFile::State;
 using Taking = HeadsFile::Taking;
 
@@ -172,7 +172,7 @@ absl::Status Opener::TakeRecord() {
 absl::Status Opener::MakeRecord(const std::string& id, State state) {
   const bool doubt = state == State::kUnconfirmed;
   Taking taking = Taking::kNo;
-  std::vector<Head> heads;
+  std::vector<RecordedHead> heads;
   if (version_ < kSchemaWithId) {
     taking = doubt ? Taking::kInDoubt : Taking::kYes;
   } else {
@@ -267,11 +267,11 @@ absl::Status Opener::BringUpToDate(bool doubt) {
   for (const Loss& loss : FindLosses(heads.Heads(), heads.confirmed(), found_)) {
     lost.insert(loss.key());
   }
-  std::map<HeadsFile::Key, Head> recorded;
-  for (const Head& head : heads.Heads()) recorded.emplace(head.key, head);
+  std::map<HeadsFile::Key, RecordedHead> recorded;
+  for (const RecordedHead& head : heads.Heads()) recorded.emplace(head.key, head);
   absl::Status status;
   for (FoundMesh& mesh : found_) {
-    Head head = mesh.head;
+    RecordedHead head = mesh.head;
     const auto record = recorded.find(head.key);
     if (record != recorded.end()) head.id = record->second.id;
     head.state = doubt ? State::kUnconfirmed : State::kThere;
@@ -302,7 +302,7 @@ absl::Status Opener::Accept() {
       left.push_back(std::move(loss));
       continue;
     }
-    Head head = loss.found;
+    RecordedHead head = loss.found;
     head.state = State::kThere;
     if (loss.recorded.key != 0 && loss.kind != Loss::Kind::kOther) head.id = loss.recorded.id;
     absl::Status status = head.key == 0 ? out_.heads->Forget(loss.key()) : out_.heads->Put(head);

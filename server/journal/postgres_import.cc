@@ -23,7 +23,7 @@ SELECT $1::bigint, revision, part, sum, substring($2::bytea FROM start FOR size)
 FROM unnest($3::int[], $4::int[], $5::bigint[], $6::bigint[], $7::bigint[])
   AS p(start, size, sum, revision, part)
 ON CONFLICT DO NOTHING)";
-constexpr char kEntries[] = R"(
+constexpr char kImportEntries[] = R"(
 INSERT INTO dynmesh.entries(mesh, revision, epoch, checksum, data)
 SELECT $1::bigint, $2::bigint + n - 1, 1, sum, substring($3::bytea FROM start FOR size)
 FROM unnest($4::int[], $5::int[], $6::bigint[]) WITH ORDINALITY AS e(start, size, sum, n)
@@ -98,7 +98,7 @@ Answer InsertEntries(Session& session, Journal::Key mesh,
         RowSumOf(mesh, static_cast<std::int64_t>(entry.revision), absl::string_view(entry.data)));
   }
   const auto first = static_cast<std::int64_t>(entries.front().revision);
-  return session.Run(kEntries, mesh, first, Bytes{data}, StartsOf(sizes), sizes, sums);
+  return session.Run(kImportEntries, mesh, first, Bytes{data}, StartsOf(sizes), sizes, sums);
 }
 
 }  // namespace

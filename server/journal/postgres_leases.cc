@@ -21,7 +21,7 @@ constexpr char kMissing[] =
     "to_regclass('dynmesh.followers') IS NULL "
     "FROM pg_advisory_xact_lock(28273260616281960)";
 // A default that is constant: no row is rewritten.
-constexpr char kTables[] = R"(
+constexpr char kLeaseTables[] = R"(
   CREATE TABLE dynmesh.nodes(
     id TEXT COLLATE "C" PRIMARY KEY, address TEXT NOT NULL, seen TIMESTAMPTZ NOT NULL);
   ALTER TABLE dynmesh.meshes ADD COLUMN lease_until TIMESTAMPTZ NOT NULL DEFAULT '-infinity';
@@ -153,7 +153,7 @@ absl::Status Add(Session& session) {
   const Answer missing = session.Execute(kMissing);
   if (!missing.status.ok()) return missing.status;
   if (missing.rows[0][0].as<bool>()) {
-    if (absl::Status s = session.Execute(kTables).status; !s.ok()) return s;
+    if (absl::Status s = session.Execute(kLeaseTables).status; !s.ok()) return s;
   }
   if (missing.rows[0][1].as<bool>()) {
     if (absl::Status s = session.Execute(kIndex).status; !s.ok()) return s;

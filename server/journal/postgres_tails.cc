@@ -23,7 +23,7 @@ constexpr char kStates[] =
     "LEFT JOIN dynmesh.generations AS g ON g.mesh = m.key AND g.revision = m.snapshot";
 // 1: keys, 2: revisions, 3: bytes of a mesh. Rows are chosen by their sizes, which are read without
 // the data.
-constexpr char kEntries[] = R"(
+constexpr char kTailEntries[] = R"(
 SELECT f.key, e.revision, e.checksum, e.data
 FROM unnest($1::bigint[], $2::bigint[]) AS f(key, after) CROSS JOIN LATERAL (
   SELECT revision, checksum, data,
@@ -151,7 +151,7 @@ absl::StatusOr<std::vector<Tail>> ReadTails(Session& session,
                [](const Position& p) { return static_cast<std::int64_t>(p.revision); }, &keys,
                &after);
   if (!keys.empty()) {
-    const Answer entries = session.Run(kEntries, keys, after, bytes);
+    const Answer entries = session.Run(kTailEntries, keys, after, bytes);
     if (!entries.status.ok()) return entries.status;
     for (std::size_t row = 0; row < entries.size(); ++row) tails.TakeEntry(entries, row);
   }

@@ -8,7 +8,7 @@
 namespace dynmesh::server::postgres {
 namespace {
 
-constexpr char kTables[] =
+constexpr char kExistingTables[] =
     "SELECT (to_regclass('dynmesh.journal') IS NOT NULL)::integer, "
     "(to_regclass('dynmesh.nodes') IS NOT NULL)::integer";
 constexpr char kOthers[] =
@@ -20,7 +20,7 @@ SELECT count(*), coalesce(ceil(extract(epoch FROM max(lease_until) - clock_times
 FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner
 WHERE lease_until > clock_timestamp())";
 
-absl::Status InUse(const absl::AlphaNum& how) {
+absl::Status DatabaseInUse(const absl::AlphaNum& how) {
   return absl::FailedPreconditionError(
       absl::StrCat("a server uses it: ", how.Piece(), ". End the server with SIGTERM"));
 }
@@ -36,14 +36,14 @@ absl::Status CheckConnections(Session& session) {
     count = others.Integer(0, 0);
     if (count == 0) return absl::OkStatus();
   }
-  return InUse(absl::StrCat("there are ", count, " connections of dynmeshd"));
+  return DatabaseInUse(absl::StrCat("there are ", count, " connections of dynmeshd"));
 }
 
 }  // namespace
 
 absl::Status CheckUse(Session& session, const PostgresOptions& options) {
   if (options.make_tables && !options.exclusive) return absl::OkStatus();
-  const Answer tables = session.Execute(kTables);
+  const Answer tables = session.Execute(kExistingTables);
   if (!tables.status.ok()) return tables.status;
   if (!options.make_tables && tables.Integer(0, 0) == 0) {
     return absl::NotFoundError("it has no journal of dynmeshd");
@@ -54,8 +54,8 @@ absl::Status CheckUse(Session& session, const PostgresOptions& options) {
   const Answer leased = session.Execute(kLeased);
   if (!leased.status.ok()) return leased.status;
   if (leased.Integer(0, 0) == 0) return absl::OkStatus();
-  return InUse(absl::StrCat("the lease of ", leased.Integer(0, 0), " meshes runs for ",
-                            leased.Integer(0, 1), " s (", leased.Bytes(0, 2), ")"));
+  return DatabaseInUse(absl::StrCat("the lease of ", leased.Integer(0, 0), " meshes runs for ",
+                                    leased.Integer(0, 1), " s (", leased.Bytes(0, 2), ")"));
 }
 
 }  // namespace dynmesh::server::postgres

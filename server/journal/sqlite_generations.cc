@@ -14,7 +14,7 @@ using sqlite::Connection;
 using sqlite::Statement;
 
 // A row without bytes has a cost, too.
-constexpr std::uint64_t kRowBytes = 64;
+constexpr std::uint64_t kGenerationRowBytes = 64;
 
 std::uint64_t BytesOf(const std::vector<std::string>& parts) {
   std::uint64_t bytes = 0;
@@ -48,7 +48,7 @@ absl::StatusOr<bool> SweepEntries(Connection& connection, std::int64_t mesh, std
     rows.Bind(mesh).Bind(up_to);
     for (std::uint64_t seen = 0; seen < bytes && rows.Step();) {
       last = rows.Integer(0);
-      seen += static_cast<std::uint64_t>(rows.Integer(1)) + kRowBytes;
+      seen += static_cast<std::uint64_t>(rows.Integer(1)) + kGenerationRowBytes;
     }
     if (!rows.status().ok()) return rows.status();
   }
@@ -68,7 +68,7 @@ absl::StatusOr<bool> SweepParts(Connection& connection, std::int64_t mesh, std::
     rows.Bind(mesh);
     for (std::uint64_t seen = 0; seen < bytes && rows.Step();) {
       found.emplace_back(rows.Integer(0), rows.Integer(1));
-      seen += static_cast<std::uint64_t>(rows.Integer(2)) + kRowBytes;
+      seen += static_cast<std::uint64_t>(rows.Integer(2)) + kGenerationRowBytes;
     }
     if (!rows.status().ok()) return rows.status();
   }

@@ -13,7 +13,7 @@ namespace dynmesh::server {
 namespace {
 
 // Reading a mesh waits for the database.
-constexpr int kThreads = 2;
+constexpr int kFollowingThreads = 2;
 // A server that has just started makes many meshes, and so do the others after a drain. Writers go
 // first: these threads have a low priority, which does not count beside other processes, and rest
 // after a mesh for three times as long as that took. So they need half a core.
@@ -48,7 +48,7 @@ Followers::Followers(SharedJournal* journal, std::string address, const Options&
       options_(options),
       calls_(std::move(calls)),
       metrics_(metrics),
-      pool_(kThreads, WorkerPool::Priority::kBackground) {
+      pool_(kFollowingThreads, WorkerPool::Priority::kBackground) {
   life_->it = this;
   thread_ = std::thread([this] { Run(); });
 }

@@ -12,7 +12,7 @@ namespace dynmesh::server {
 namespace {
 
 // Looking up a mesh and reading it wait for the database.
-constexpr int kThreads = 4;
+constexpr int kOpeningThreads = 4;
 // A call that was sent on so often is served here if it can be.
 constexpr int kMostRedirects = 2;
 constexpr int kMostLost = 3;
@@ -37,7 +37,7 @@ MeshOpener::MeshOpener(SharedJournal* journal, std::string address, Load load)
     : journal_(journal),
       address_(std::move(address)),
       load_(std::move(load)),
-      pool_(kThreads),
+      pool_(kOpeningThreads),
       timer_([this] { RunTimer(); }) {}
 
 void MeshOpener::Open(const std::string& id, const Asking& asking, Done done) {

@@ -16,8 +16,9 @@ struct ElementType {
   int type;
   std::size_t corners, nodes;
 };
-constexpr ElementType kTypes[] = {{15, 1, 1}, {1, 2, 2},   {8, 2, 3}, {26, 2, 4},  {2, 3, 3},
-                                  {9, 3, 6},  {21, 3, 10}, {4, 4, 4}, {11, 4, 10}, {29, 4, 20}};
+constexpr ElementType kElementTypes[] = {{15, 1, 1},  {1, 2, 2},  {8, 2, 3},   {26, 2, 4},
+                                         {2, 3, 3},   {9, 3, 6},  {21, 3, 10}, {4, 4, 4},
+                                         {11, 4, 10}, {29, 4, 20}};
 
 class MshReader {
  public:
@@ -183,7 +184,7 @@ class MshReader {
   }
 
   absl::StatusOr<ElementType> TypeOf(std::int64_t type) const {
-    for (const ElementType& known : kTypes) {
+    for (const ElementType& known : kElementTypes) {
       if (known.type == type) return known;
     }
     return in_.Error(Concat("elements of type ", type,

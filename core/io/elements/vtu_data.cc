@@ -189,7 +189,7 @@ struct Type {
   std::size_t bytes;
   void (*convert)(const std::string&, VtuValues&);
 };
-constexpr Type kTypes[] = {
+constexpr Type kDataTypes[] = {
     {"Float32", 4, &Convert<float>},      {"Float64", 8, &Convert<double>},
     {"Int8", 1, &Convert<std::int8_t>},   {"UInt8", 1, &Convert<std::uint8_t>},
     {"Int16", 2, &Convert<std::int16_t>}, {"UInt16", 2, &Convert<std::uint16_t>},
@@ -235,10 +235,10 @@ absl::StatusOr<VtuValues> ReadVtuValues(const std::string& name, const XmlTag& a
     return TextReader::ErrorAt(name, array.line,
                                Concat("array ", Quoted(array.Get("Name")), ": ", message));
   };
-  const auto type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& known) {
-    return known.name == array.Get("type");
-  });
-  if (type == std::end(kTypes)) return error(Concat("type ", Quoted(array.Get("type"))));
+  const auto type =
+      std::find_if(std::begin(kDataTypes), std::end(kDataTypes),
+                   [&](const Type& known) { return known.name == array.Get("type"); });
+  if (type == std::end(kDataTypes)) return error(Concat("type ", Quoted(array.Get("type"))));
   VtuValues values;
   if (array.Get("format") == "ascii") {
     std::string_view rest = array.text;

@@ -22,10 +22,10 @@ constexpr double kMost = 2147483647;  // references have 32 bits
 
 // A section of rows with owners or markers, and their references: those of owners unless the labels
 // replace them by `markers`. `corners(i)` returns the corners of row i.
-template <class Rows, class Corners>
+template <class Rows, class FaceCorners>
 void WriteOwned(const char* name, const Rows& rows, const References& references,
-                const RowLabels& labels, const std::vector<std::int64_t>& markers, Corners corners,
-                FileWriter& out) {
+                const RowLabels& labels, const std::vector<std::int64_t>& markers,
+                FaceCorners corners, FileWriter& out) {
   const auto reference_of = [&](std::size_t i) -> std::int64_t {
     return labels.replace_ids ? markers[i] : references.Find(rows[i].owner);
   };
@@ -42,12 +42,12 @@ void WriteOwned(const char* name, const Rows& rows, const References& references
   }
 }
 
-using Corners = std::array<std::uint32_t, 3>;
+using FaceCorners = std::array<std::uint32_t, 3>;
 
 // The corners of each face, in the order that the header describes. O(n) expected.
-std::vector<Corners> OrientedFaces(const IndexedMesh& mesh) {
-  std::vector<Corners> faces;
-  absl::flat_hash_map<Corners, std::size_t> row_of;
+std::vector<FaceCorners> OrientedFaces(const IndexedMesh& mesh) {
+  std::vector<FaceCorners> faces;
+  absl::flat_hash_map<FaceCorners, std::size_t> row_of;
   for (const IndexedMesh::Face& face : mesh.faces) {
     row_of.emplace(face.corners, faces.size());
     faces.push_back(face.corners);
@@ -56,10 +56,10 @@ std::vector<Corners> OrientedFaces(const IndexedMesh& mesh) {
   std::vector<std::uint32_t> regions(faces.size(), kNone);
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
     for (const auto& side : kTetrahedronSides) {
-      Corners outward;
+      FaceCorners outward;
       for (std::size_t k = 0; k < 3; ++k) outward[k] = mesh.tetrahedra[i][side[k]];
       std::rotate(outward.begin(), std::min_element(outward.begin(), outward.end()), outward.end());
-      Corners ascending = outward;
+      FaceCorners ascending = outward;
       if (ascending[1] > ascending[2]) std::swap(ascending[1], ascending[2]);
       const auto it = row_of.find(ascending);
       if (it == row_of.end() || mesh.regions.Of(i) >= regions[it->second]) continue;
@@ -141,7 +141,7 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
       },
       out);
   if (in_space) {
-    const std::vector<Corners> faces = OrientedFaces(mesh);
+    const std::vector<FaceCorners> faces = OrientedFaces(mesh);
     WriteOwned(
         "Triangles", mesh.faces, *references, labels, labels.face_markers,
         [&](std::size_t i) { return faces[i]; }, out);

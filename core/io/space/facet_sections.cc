@@ -15,7 +15,7 @@ struct FacetHeader {
   bool has_markers = false;
 };
 
-absl::StatusOr<FacetHeader> ReadHeader(TextReader& reader) {
+absl::StatusOr<FacetHeader> ReadFacetHeader(TextReader& reader) {
   if (!reader.Next()) return reader.Error("the file has no facet header");
   const absl::StatusOr<std::uint64_t> count = ReadCount(reader, "facet", 2);
   if (!count.ok()) return count.status();
@@ -74,7 +74,7 @@ absl::Status AddPolygon(TextReader& reader, const NodeSection& nodes, bool has_m
 // Calls read(facet, has_markers) on the first line of each facet.
 template <class Read>
 absl::StatusOr<std::vector<Facet>> ReadFacets(TextReader& reader, Read read) {
-  const absl::StatusOr<FacetHeader> header = ReadHeader(reader);
+  const absl::StatusOr<FacetHeader> header = ReadFacetHeader(reader);
   if (!header.ok()) return header.status();
   std::vector<Facet> facets;
   for (std::uint64_t i = 0; i < header->count; ++i) {

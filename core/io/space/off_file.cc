@@ -16,7 +16,7 @@ using text::Quoted;
 namespace {
 
 // Skips the header; the counts are then the tokens from the returned one on.
-absl::StatusOr<std::size_t> ReadHeader(TextReader& off) {
+absl::StatusOr<std::size_t> ReadOffHeader(TextReader& off) {
   if (!off.Next()) return off.Error("the file is empty: it has no line OFF");
   std::string_view kind = off.token(0);
   if (!kind.ends_with("OFF")) {
@@ -70,7 +70,7 @@ absl::Status ReadFaces(TextReader& off, std::uint64_t count, SurfaceWork& work) 
 }  // namespace
 
 absl::StatusOr<FileFeatures> ParseOffText(TextReader off, FaceRules rules) {
-  const absl::StatusOr<std::size_t> first = ReadHeader(off);
+  const absl::StatusOr<std::size_t> first = ReadOffHeader(off);
   if (!first.ok()) return first.status();
   const auto vertices = off.Uint64(*first, "the number of vertices");
   if (!vertices.ok()) return vertices.status();

@@ -62,12 +62,12 @@ struct Element {
 
 enum class Format : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
 
-struct Header {
+struct PlyHeader {
   Format format = Format::kAscii;
   std::vector<Element> elements;
 };
 
-absl::Status ReadElement(const TextReader& ply, Header& header) {
+absl::Status ReadElement(const TextReader& ply, PlyHeader& header) {
   if (ply.size() != 3) return ply.Error("'element NAME COUNT' expected here");
   const auto count = ply.Uint64(2, "the number of elements");
   if (!count.ok()) return count.status();
@@ -75,7 +75,7 @@ absl::Status ReadElement(const TextReader& ply, Header& header) {
   return absl::OkStatus();
 }
 
-absl::Status ReadProperty(const TextReader& ply, Header& header) {
+absl::Status ReadProperty(const TextReader& ply, PlyHeader& header) {
   if (header.elements.empty()) return ply.Error("a property stands before any element");
   const bool is_list = ply.size() > 1 && ply.token(1) == "list";
   if (ply.size() != (is_list ? 5 : 3)) {
@@ -106,11 +106,11 @@ absl::StatusOr<Format> FormatOf(const TextReader& ply) {
   return ply.Error(Concat(Quoted(name), " is no format of a .ply"));
 }
 
-absl::StatusOr<Header> ReadHeader(TextReader& ply) {
+absl::StatusOr<PlyHeader> ReadPlyHeader(TextReader& ply) {
   if (!ply.Next() || ply.size() != 1 || ply.token(0) != "ply") {
     return ply.Error("a .ply file starts with a line 'ply'");
   }
-  Header header;
+  PlyHeader header;
   std::optional<Format> format;
   for (;;) {
     if (!ply.Next()) return ply.Error("the file ends before 'end_header'");
@@ -245,7 +245,7 @@ std::optional<std::size_t> Find(const Element& element, std::string_view name, b
 
 class PlyParser {
  public:
-  PlyParser(TextReader& ply, const Header& header, FaceRules rules)
+  PlyParser(TextReader& ply, const PlyHeader& header, FaceRules rules)
       : ply_(ply), header_(header), body_(ply, header.format), work_(ply.name(), 0, rules) {}
 
   absl::StatusOr<FileFeatures> Run() {
@@ -355,7 +355,7 @@ class PlyParser {
   }
 
   TextReader& ply_;
-  const Header& header_;
+  const PlyHeader& header_;
   Body body_;
   SurfaceWork work_;
   std::vector<double> single_;              // of the row, by property
@@ -365,7 +365,7 @@ class PlyParser {
 }  // namespace
 
 absl::StatusOr<FileFeatures> ParsePlyText(TextReader ply, FaceRules rules) {
-  const absl::StatusOr<Header> header = ReadHeader(ply);
+  const absl::StatusOr<PlyHeader> header = ReadPlyHeader(ply);
   if (!header.ok()) return header.status();
   return PlyParser(ply, *header, rules).Run();
 }
