@@ -16,9 +16,9 @@ using geometry::Cross;
 using geometry::Difference;
 using geometry::Dot;
 using geometry::Point3;
-using Vector = geometry::Vector3;
+using geometry::Vector3;
 
-Vector Unit(const Vector& a) {
+Vector3 Unit(const Vector3& a) {
   const double length = std::sqrt(Dot(a, a));
   return {a[0] / length, a[1] / length, a[2] / length};
 }
@@ -53,14 +53,14 @@ class SpaceRules::Face {
 
   std::optional<Point3> PointInDirection() const {
     // The frame does not depend on which end's star this is.
-    const Vector axis = u_.p < star_.position() ? Difference({0, 0, 0}, u_.d) : u_.d;
+    const Vector3 axis = u_.p < star_.position() ? Difference({0, 0, 0}, u_.d) : u_.d;
     int least = 0;
     for (int k = 1; k < 3; ++k) {
       if (std::fabs(axis[k]) < std::fabs(axis[least])) least = k;
     }
-    Vector unit = {0, 0, 0};
+    Vector3 unit = {0, 0, 0};
     unit[least] = 1;
-    const Vector f = Unit(Cross(axis, unit)), g = Unit(Cross(axis, f));
+    const Vector3 f = Unit(Cross(axis, unit)), g = Unit(Cross(axis, f));
     const double height = std::sqrt(std::max(0.0, cap_ * cap_ - 0.25 * u_.d2));
     const double enough = kEnough * std::sqrt(u_.d2);
     const double slack = -1e-9 * enough;
@@ -69,7 +69,7 @@ class SpaceRules::Face {
     double best_clearance = 0;
     for (int step = kDirections / 8; step > 0; step /= 2) {
       for (int k = 0; k < kDirections; k += step) {
-        Vector c;
+        Vector3 c;
         for (int a = 0; a < 3; ++a) {
           c[a] = 0.5 * u_.d[a] + height * (CosineOf(k) * f[a] + SineOf(k) * g[a]);
         }
@@ -91,7 +91,7 @@ class SpaceRules::Face {
   std::optional<Point3> PointOnBorder() const {
     std::optional<Point3> best;
     double best_r2 = 0;
-    const auto offer = [&](const Vector& c, double r2) {
+    const auto offer = [&](const Vector3& c, double r2) {
       const Point3 x = At(c);
       if (!IsInDomain(x) || (best && (r2 < best_r2 || (r2 == best_r2 && *best < x)))) return;
       best = x;
@@ -121,7 +121,7 @@ class SpaceRules::Face {
 
   // A side of the face: in the plane midway to a third vertex.
   struct Side {
-    Vector d;
+    Vector3 d;
     double d2;
     double twice_across;  // twice its distance from the edge's line; 1 if that is 0
   };
@@ -142,7 +142,7 @@ class SpaceRules::Face {
 
   // How far c, in the plane of the face, is inside the face's border; negative outside. If that is
   // less than `enough_less`, the result is any lesser number.
-  static double Clearance(const SideList& sides, const Vector& c, double enough_less) {
+  static double Clearance(const SideList& sides, const Vector3& c, double enough_less) {
     double least = INFINITY;
     for (const Side& side : sides) {
       least = std::min(least, (side.d2 - 2 * Dot(c, side.d)) / side.twice_across);
@@ -162,11 +162,11 @@ class SpaceRules::Face {
     }
     const SpaceStar::Neighbour& w = star_.neighbours()[shared];
     if (SpaceStar::IsGhost(w.id)) return;
-    const Vector normal = Cross(u_.d, w.d);
+    const Vector3 normal = Cross(u_.d, w.d);
     const double n2 = Dot(normal, normal);
     if (!(n2 > 0)) return;
-    const Vector from_w = Cross(w.d, normal), from_u = Cross(normal, u_.d);
-    Vector centre;
+    const Vector3 from_w = Cross(w.d, normal), from_u = Cross(normal, u_.d);
+    Vector3 centre;
     for (int k = 0; k < 3; ++k) {
       centre[k] = (u_.d2 * from_w[k] + w.d2 * from_u[k]) * (0.5 / n2);
     }
@@ -177,14 +177,15 @@ class SpaceRules::Face {
     const double at_end = Dot(Difference(end.w, centre), normal) / n2;
     const double lo = std::min(at, at_end), hi = std::max(at, at_end);
     const auto offer_at = [&](double s) {
-      offer(Vector{centre[0] + s * normal[0], centre[1] + s * normal[1], centre[2] + s * normal[2]},
-            cap2);
+      offer(
+          Vector3{centre[0] + s * normal[0], centre[1] + s * normal[1], centre[2] + s * normal[2]},
+          cap2);
     };
     if (lo <= t && t < hi) offer_at(t);
     if (lo < -t && -t <= hi) offer_at(-t);
   }
 
-  Point3 At(const Vector& c) const {
+  Point3 At(const Vector3& c) const {
     const Point3& p = star_.position();
     return {{p[0] + c[0], p[1] + c[1], p[2] + c[2]}};
   }

@@ -10,7 +10,7 @@ namespace {
 
 using geometry::Cross;
 using geometry::Dot;
-using Vector = geometry::Vector3;
+using geometry::Vector3;
 
 }  // namespace
 
@@ -161,7 +161,7 @@ bool SpaceStar::MayConflict(const Point3& q) {
 
 // REQUIRES: margins_ are those of q.
 bool SpaceStar::InsertNear(Id u, const Point3& q) {
-  const Vector x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
+  const Vector3 x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
   const double x2 = Dot(x, x);
   conflicts_.clear();
   for (int i = 0; i < corner_count(); ++i) {

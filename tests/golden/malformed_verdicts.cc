@@ -7,13 +7,6 @@
 #include "tests/golden/verdict_scene.h"
 
 namespace dynmesh::test {
-namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 void AddMalformed(Scene& scene) {
   const auto point = [](FeatureId id) { return Edit::Add(Feature::Point(id, 0.1, 0.1, 0.1)); };
   constexpr FeatureId kReserved = kLastFeatureId + 1;

@@ -1,17 +1,9 @@
 // Verdicts on MeshOptions.
 #include <functional>
-#include <limits>
 
 #include "tests/golden/verdict_scene.h"
 
 namespace dynmesh::test {
-namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 void AddOptionVerdicts(std::vector<std::string>& lines) {
   const auto refused = [&](const std::string& name, const std::function<void(MeshOptions&)>& set,
                            int dimension) {

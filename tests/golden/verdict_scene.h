@@ -2,6 +2,7 @@
 #ifndef DYNMESH_TESTS_GOLDEN_VERDICT_SCENE_H_
 #define DYNMESH_TESTS_GOLDEN_VERDICT_SCENE_H_
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,6 +13,9 @@
 #include "tests/differential/differential.h"
 
 namespace dynmesh::test {
+
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // "CODE REASON features A, B edit N: MESSAGE", or "OK".
 std::string TextOf(const absl::Status& status);

@@ -90,7 +90,7 @@ std::vector<Feature> GridEdges(Distribution d, int n, Random& random) {
 
 // Points, a few segments side by side, and regions that ask for lengths down to a part of the
 // features'; some overlap, some poke out of the box.
-std::vector<Feature> Sized(int n, Random& random) {
+std::vector<Feature> SizedInSpace(int n, Random& random) {
   std::vector<Feature> features;
   FeatureId id = 0;
   const auto any = [&]() -> Place {
@@ -125,10 +125,10 @@ std::vector<Feature> Sized(int n, Random& random) {
   return features;
 }
 
-// As Sized, with capsules and a few balls.
-std::vector<Feature> Capsules(int n, Random& random) {
+// As SizedInSpace, with capsules and a few balls.
+std::vector<Feature> CapsulesInSpace(int n, Random& random) {
   std::vector<Feature> features;
-  for (Feature& f : Sized(n, random)) {
+  for (Feature& f : SizedInSpace(n, random)) {
     if (f.kind != FeatureKind::kSize) features.push_back(std::move(f));
   }
   FeatureId id = features.back().id;
@@ -155,8 +155,8 @@ std::vector<Feature> MakeSpaceFeatures(Distribution d, int n, std::uint64_t seed
       d == Distribution::kSkewGridEdges) {
     return GridEdges(d, n, random);
   }
-  if (d == Distribution::kSpaceSized) return Sized(n, random);
-  if (d == Distribution::kSpaceCapsules) return Capsules(n, random);
+  if (d == Distribution::kSpaceSized) return SizedInSpace(n, random);
+  if (d == Distribution::kSpaceCapsules) return CapsulesInSpace(n, random);
   std::vector<Feature> features;
   for (int i = 0; i < n; ++i) {
     const Place p = PlaceOf(d, i, n, random);

@@ -5,9 +5,12 @@
 
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
+#include "tests/support/count_of.h"
 
 namespace dynmesh::cli {
 namespace {
+
+using test::CountOf;
 
 class CommandLimits : public CommandLineFixture {
  protected:
@@ -25,24 +28,18 @@ class CommandLimits : public CommandLineFixture {
     }
     folder_.Write("x.poly", points.str() + segments.str() + "0\n");
   }
-
-  static std::size_t CountOf(const std::string& what, const std::string& text) {
-    std::size_t count = 0;
-    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++count;
-    return count;
-  }
 };
 
 TEST_F(CommandLimits, TheSearchForRefusalsEndsAfterTen) {
   WriteCrossings(12);
   const Outcome ten = Run("mesh x.poly");
   EXPECT_EQ(ten.code, 2);
-  EXPECT_EQ(CountOf("cross at", ten.err), 10U);
+  EXPECT_EQ(CountOf(ten.err, "cross at"), 10U);
   EXPECT_NE(ten.err.find("at least 10 refusals: the search ended there, --all looks on"),
             std::string::npos)
       << ten.err;
   const Outcome all = Run("mesh x.poly --all");
-  EXPECT_EQ(CountOf("cross at", all.err), 10U);
+  EXPECT_EQ(CountOf(all.err, "cross at"), 10U);
   EXPECT_NE(all.err.find("12 refusals, the first 10 told"), std::string::npos) << all.err;
   // With fewer there is nothing to look on for.
   WriteCrossings(3);

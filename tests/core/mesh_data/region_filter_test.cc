@@ -17,7 +17,7 @@ using testing::Identical;
 using testing::MakeRandom;
 using testing::MakeUpLabelledMesh;
 
-Mesh Sorted(Mesh mesh) {
+Mesh SortedRows(Mesh mesh) {
   Canonicalize(mesh);
   return mesh;
 }
@@ -43,7 +43,7 @@ Mesh NaiveSimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
     part.regions.push_back(mesh.region(i));
   }
   part.hash = ComputeHash(part);
-  return Sorted(part);
+  return SortedRows(part);
 }
 
 // Rows with only corners of one simplex as ids.
@@ -80,7 +80,7 @@ Mesh NaiveOnlyInside(const Mesh& mesh, const RegionChoice& choice) {
   part.subsegments = NaiveConstraintsOf(part, mesh.subsegments);
   part.subfacets = NaiveConstraintsOf(part, mesh.subfacets);
   part.hash = ComputeHash(part);
-  return Sorted(part);
+  return SortedRows(part);
 }
 
 const std::vector<RegionChoice> kChoices = {
@@ -107,9 +107,9 @@ TEST(OnlyInside, KeepsWhatTheChoiceSaysAndWhatThatNeeds) {
           continue;
         }
         EXPECT_EQ(part.hash, ComputeHash(part));
-        EXPECT_TRUE(Identical(Sorted(part), NaiveOnlyInside(mesh, choice)));
-        EXPECT_TRUE(
-            Identical(Sorted(SimplicesInside(mesh, choice)), NaiveSimplicesInside(mesh, choice)));
+        EXPECT_TRUE(Identical(SortedRows(part), NaiveOnlyInside(mesh, choice)));
+        EXPECT_TRUE(Identical(SortedRows(SimplicesInside(mesh, choice)),
+                              NaiveSimplicesInside(mesh, choice)));
       }
     }
   }
@@ -145,7 +145,7 @@ TEST(SimplicesInside, OfDiffsKeepAReplicaOfThePart) {
         const MeshDiff diff = SimplicesInside(DiffMeshes(mesh, next), choice, hidden);
         const absl::Status status = store->Apply(diff);
         ASSERT_TRUE(status.ok()) << status;
-        EXPECT_TRUE(Identical(Sorted(store->ToMesh()), NaiveSimplicesInside(next, choice)));
+        EXPECT_TRUE(Identical(SortedRows(store->ToMesh()), NaiveSimplicesInside(next, choice)));
         mesh = next;
       }
     }

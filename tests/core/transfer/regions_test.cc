@@ -80,7 +80,7 @@ struct Scene {
   }
 };
 
-double Wave(const double* x) { return 2 + std::sin(7 * x[0]) * std::cos(8 * x[1]); }
+double ShortWave(const double* x) { return 2 + std::sin(7 * x[0]) * std::cos(8 * x[1]); }
 
 class RegionsOf : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Dimension, RegionsOf, ::testing::Values(2, 3),
@@ -93,7 +93,8 @@ TEST_P(RegionsOf, KeepTheirMassWhereTheirShapeStays) {
   for (const FieldKind kind :
        {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kP1}) {
     Scene scene(dimension);
-    std::vector<double> u = Sample(scene.slots, kind, Wave), by_region(RowCount(scene.slots, kind));
+    std::vector<double> u = Sample(scene.slots, kind, ShortWave),
+                        by_region(RowCount(scene.slots, kind));
     const auto width = static_cast<std::size_t>(dimension + 1);
     const auto cell_of = [&](std::size_t i) { return kind == FieldKind::kDG1 ? i / width : i; };
     const auto value_in = [](RegionId region) { return 0.1 + 1e6 * static_cast<double>(region); };
@@ -140,7 +141,7 @@ TEST_P(RegionsOf, ThatChangeTheirShapeTellWhatChangesSides) {
   const int dimension = GetParam();
   for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1}) {
     Scene scene(dimension);
-    std::vector<double> u = Sample(scene.slots, kind, Wave);
+    std::vector<double> u = Sample(scene.slots, kind, ShortWave);
     const std::vector<EditBatch> edits =
         dimension == 2
             ? std::vector<EditBatch>{{Edit::Move(3, 0.55, 0.75)},

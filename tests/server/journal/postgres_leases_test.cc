@@ -24,6 +24,8 @@ using postgres::FreeClaim;
 using postgres::Node;
 using postgres::Session;
 
+using Entry = Journal::Entry;
+
 constexpr absl::Duration kTtl = absl::Hours(1);
 
 class PostgresLeasesTest : public PostgresTest {
@@ -122,7 +124,6 @@ TEST_F(PostgresLeasesTest, AMeshThatDoesNotExistIsNotFound) {
 
 // The epoch fences the journal of a server that knows no leases, too.
 TEST_F(PostgresLeasesTest, AClaimFencesTheJournalThatHadTheMesh) {
-  using Entry = Journal::Entry;
   ASSERT_TRUE(journal_->Append(key_, Entry{1, "x"}, std::nullopt).ok());
   const FreeClaim claim = ClaimFree(*session_, key_, "a", kTtl);
   ASSERT_TRUE(claim.status.ok()) << claim.status;

@@ -190,7 +190,7 @@ TEST(SpaceMeshFiles, OfOthersAreRead) {
             (std::vector<IndexedMesh::Face>{{{0, 1, 2}, kNoFeature}, {{0, 1, 3}, kNoFeature}}));
 }
 
-struct Damage {
+struct SpaceDamage {
   const char* file;
   const char* text;
   const char* message;
@@ -199,7 +199,7 @@ struct Damage {
 TEST(SpaceMeshFiles, MalformedAreRefusedWithFileAndLine) {
   const std::string nodes = "4 3 0 1\n1 0 0 0 0\n2 1 0 0 0\n3 0 1 0 0\n4 0 0 1 0\n";
   const std::string side = nodes + "# dynmesh box-face-vertices 5\n";
-  const Damage damages[] = {
+  const SpaceDamage damages[] = {
       {"m.node", "4 3 0 1\n1 0 0 0\n", "m.node:2: a vertex row has 5 values"},
       {"m.node", "4 4 0 1\n1 0 0 0 0\n", "m.node:1: dimension 4 is neither 2 nor 3"},
       {"m.node", side.c_str(), "box-face-vertices names no vertex: 5"},
@@ -218,7 +218,7 @@ TEST(SpaceMeshFiles, MalformedAreRefusedWithFileAndLine) {
       {"m.face", "1 1\n1 1 2 3 0\n2\n", "m.face:3: more values"},
       {"m.face", "2 1\n1 1 2 3 0\n", "m.face:2: the file ends after 1 of 2"},
   };
-  for (const Damage& damage : damages) {
+  for (const SpaceDamage& damage : damages) {
     const TempFolder folder;
     folder.Write("m.node", nodes);
     folder.Write("m.ele", "1 4 0\n1 1 2 3 4\n");

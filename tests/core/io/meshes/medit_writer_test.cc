@@ -119,7 +119,7 @@ class MeditReader {
   std::size_t next_ = 0;
 };
 
-std::string NameOf(FeatureId owner) {
+std::string MeditName(FeatureId owner) {
   if (owner == kNoFeature) return "";
   return owner == kBoxFeature ? "box" : "feature " + std::to_string(owner);
 }
@@ -134,7 +134,7 @@ void ExpectHolds(const MeditContent& content, const IndexedMesh& mesh) {
     const auto& v = mesh.vertices[i];
     EXPECT_EQ(std::bit_cast<std::uint64_t>(found.x), std::bit_cast<std::uint64_t>(v.x));
     EXPECT_EQ(std::bit_cast<std::uint64_t>(found.y), std::bit_cast<std::uint64_t>(v.y));
-    EXPECT_EQ(name(found.reference), NameOf(v.owner));
+    EXPECT_EQ(name(found.reference), MeditName(v.owner));
   }
   std::size_t row = 0;
   for (const auto& e : mesh.edges) {
@@ -143,7 +143,7 @@ void ExpectHolds(const MeditContent& content, const IndexedMesh& mesh) {
     const std::vector<int>& found = content.edges[row++];
     EXPECT_EQ(found[0], static_cast<int>(e.a) + 1);
     EXPECT_EQ(found[1], static_cast<int>(e.b) + 1);
-    EXPECT_EQ(name(found[2]), NameOf(e.owner));
+    EXPECT_EQ(name(found[2]), MeditName(e.owner));
   }
   EXPECT_EQ(row, content.edges.size());
   ASSERT_EQ(content.triangles.size(), mesh.triangles.size());

@@ -5,18 +5,14 @@
 #include <string>
 
 #include "gtest/gtest.h"
+#include "tests/support/count_of.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::CountOf;
 using test::TempFolder;
-
-std::size_t CountOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
-  return count;
-}
 
 Histogram Sample() {
   Histogram h;

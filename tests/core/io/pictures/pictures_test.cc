@@ -10,11 +10,13 @@
 #include "gtest/gtest.h"
 #include "tests/core/io/common/vtu_values.h"
 #include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/support/count_of.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::CountOf;
 using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
@@ -116,12 +118,6 @@ TEST(Vtu, OfNothingIsStillAFile) {
   const TempFolder folder;
   ASSERT_TRUE(WriteVtu(IndexedMesh(), kDefaultQuality2D, folder.Path("m.vtu")).ok());
   EXPECT_EQ(VtuValues<double>(folder.Read("m.vtu"), "Points"), std::vector<double>());
-}
-
-std::size_t CountOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
-  return count;
 }
 
 TEST(Svg, DrawsEveryTriangleOnceAndSegmentsOnTop) {

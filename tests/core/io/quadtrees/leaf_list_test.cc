@@ -10,10 +10,13 @@
 
 #include "core/io/pictures/leaf_svg.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "tests/support/count_of.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
+
+using test::CountOf;
 
 MeshOptions Options(int dimension) {
   MeshOptions options;
@@ -29,14 +32,6 @@ LeafList Sample(int dimension) {
                                          Feature::Point(3, 0.9, 0.7, 0.25)};
   const MeshOptions options = Options(dimension);
   return *LeavesOf(*BuildMesh(features, options), options);
-}
-
-std::size_t CountOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
 }
 
 TEST(LeafList, CsvReadsBackToTheBit) {

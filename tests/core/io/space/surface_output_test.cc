@@ -13,7 +13,7 @@
 namespace dynmesh::io {
 namespace {
 
-const std::vector<Feature> kFeatures = {
+const std::vector<Feature> kSurface = {
     Feature::Point(1, 0, 0, 0),         Feature::Point(2, 1, 0, 0.1),
     Feature::Point(3, 1, 1, 1e-300),    Feature::Point(4, 0, 1.0 / 3, 0),
     Feature::Segment(5, 1, 3),          Feature::Polygon(6, {{1, 2, 3}}),
@@ -30,12 +30,12 @@ TEST(SurfaceOutput, TetGensFilesReadBackAsTheSame) {
   const std::vector<SeedRow> holes = {{{0.5, 0.5, 0.25}, {}, 0}};
   const std::vector<SeedRow> regions = {{{0.25, 0.5, 0.25}, {3, 0.5}, 0}};
   const std::string poly = folder.Path("a.poly"), smesh = folder.Path("a.smesh");
-  ASSERT_TRUE(WriteSpacePolyFile(poly, kFeatures, holes, regions, LabelsOf()).ok());
-  ASSERT_TRUE(WriteSmeshFile(smesh, kFeatures, holes, regions, LabelsOf()).ok());
+  ASSERT_TRUE(WriteSpacePolyFile(poly, kSurface, holes, regions, LabelsOf()).ok());
+  ASSERT_TRUE(WriteSmeshFile(smesh, kSurface, holes, regions, LabelsOf()).ok());
   for (const bool is_poly : {true, false}) {
     const auto input = is_poly ? ReadSpacePolyFile(poly) : ReadSmeshFile(smesh);
     ASSERT_TRUE(input.ok()) << input.status();
-    EXPECT_EQ(input->features, kFeatures);
+    EXPECT_EQ(input->features, kSurface);
     EXPECT_EQ(input->labels.markers, LabelsOf().markers);
     ASSERT_EQ(input->holes.size(), 1U);
     EXPECT_EQ(input->holes[0].position, holes[0].position);
@@ -47,12 +47,12 @@ TEST(SurfaceOutput, TetGensFilesReadBackAsTheSame) {
 TEST(SurfaceOutput, OffHasPointsAndFaces) {
   const test::TempFolder folder;
   const std::string path = folder.Path("a.off");
-  ASSERT_TRUE(WriteOffFile(path, kFeatures).ok());
+  ASSERT_TRUE(WriteOffFile(path, kSurface).ok());
   const auto input = ReadOffFile(path);
   ASSERT_TRUE(input.ok()) << input.status();
   ASSERT_EQ(input->features.size(), 6U);
-  EXPECT_EQ(input->features[2], kFeatures[2]);
-  EXPECT_EQ(input->features[5].rings, kFeatures[6].rings);
+  EXPECT_EQ(input->features[2], kSurface[2]);
+  EXPECT_EQ(input->features[5].rings, kSurface[6].rings);
 }
 
 TEST(SurfaceOutput, WhatHasNoPlaceIsRefused) {
@@ -61,14 +61,13 @@ TEST(SurfaceOutput, WhatHasNoPlaceIsRefused) {
   const Feature frame = Feature::Polygon(8, {{1, 2, 3}, {4, 2, 3}});
   const Feature astray = Feature::Polygon(8, {{1, 2, 9}});
   for (const Feature& f : {frame, astray}) {
-    std::vector<Feature> features = kFeatures;
+    std::vector<Feature> features = kSurface;
     features.push_back(f);
     const absl::Status status = WriteOffFile(path, features);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_NE(status.message().find("8"), std::string::npos);
   }
-  EXPECT_EQ(WriteOffFile(folder.Path("no/a.off"), kFeatures).code(),
-            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(WriteOffFile(folder.Path("no/a.off"), kSurface).code(), absl::StatusCode::kUnavailable);
 }
 
 }  // namespace
