@@ -9,7 +9,7 @@
 #include "tests/differential/differential.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::abandon_test {
 namespace {
 
 // Applies `batch`, but stops it again and again, later each time, until it comes to its end.
@@ -330,4 +330,4 @@ INSTANTIATE_TEST_SUITE_P(All, PolygonLimit, testing::Bool(), [](const auto& give
 });
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::abandon_test

@@ -13,7 +13,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::history_test {
 namespace {
 
 // Scripts of `revisions` revisions around that many points.
@@ -213,4 +213,4 @@ TEST(Order, OfFeaturesAndEndsDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::history_test

@@ -19,7 +19,7 @@
 #include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::polygon_history_test {
 namespace {
 
 // The verifier's findings; empty if there are none.
@@ -242,4 +242,4 @@ TEST(PolygonWork, OfACornerDoesNotGrowWithTheSurface) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::polygon_history_test

@@ -12,7 +12,7 @@
 #include "dynmesh/quality.h"
 #include "tests/differential/differential.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::termination_guard_test {
 namespace {
 
 // Four segments around a point: one angle is small, the others are about 105 degrees, where splits
@@ -96,4 +96,4 @@ TEST(TerminationGuard, LeavesOtherInputAlone) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::termination_guard_test

@@ -107,7 +107,8 @@ TEST_F(BuildByDaemonTest, TheCommandReportsErrorsAsInProcess) {
     EXPECT_EQ(there.err, here.err);
   }
   daemon_.End(SIGKILL);
-  const Ran gone = RunDynmesh({"mesh", crossed, "--server", daemon_.address(), "--timeout", "5"});
+  const Ran gone =
+      RunDynmesh({"mesh", crossed, "--server", daemon_.address(), "--timeout", "5000ms"});
   EXPECT_EQ(gone.code, kExitFailed) << gone.err;
 }
 

@@ -27,9 +27,10 @@ class SecureDaemonTest : public ::testing::Test {
   }
   // With the flags of a client that has all it needs.
   Ran Run(std::vector<std::string> arguments, const std::string& token_file) const {
-    arguments.insert(arguments.end(), {"--server", daemon_.address(), "--timeout", "20", "--tls-ca",
-                                       made_.Path("ca.pem"), "--tls-cert", made_.Path("client.pem"),
-                                       "--tls-key", made_.Path("client.key")});
+    arguments.insert(
+        arguments.end(),
+        {"--server", daemon_.address(), "--timeout", "20s", "--tls-ca", made_.Path("ca.pem"),
+         "--tls-cert", made_.Path("client.pem"), "--tls-key", made_.Path("client.key")});
     if (!token_file.empty()) arguments.insert(arguments.end(), {"--token-file", token_file});
     return RunDynmesh(arguments);
   }
@@ -75,6 +76,10 @@ TEST_F(SecureDaemonTest, CommandsShowCertificateAndToken) {
   EXPECT_EQ(Run({"stats", "crack-1"}, "").code, 0);
   // Without TLS a call does not get as far as the token check.
   EXPECT_EQ(RunDynmesh({"stats", "--server", daemon_.address(), "--timeout", "5"}).code, 1);
+  for (const char* wrong : {"0", "-1s", "5 apples", "soon"}) {
+    EXPECT_EQ(RunDynmesh({"stats", "--server", daemon_.address(), "--timeout", wrong}).code, 2)
+        << wrong;
+  }
   EXPECT_EQ(Run({"stats"}, Path("none")).code, 2);
   EXPECT_EQ(Run({"stats"}, Write("spoiled", "two words")).code, 2);
 

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <string>
 #include <tuple>
 
 #include "absl/strings/ascii.h"
@@ -40,9 +42,13 @@ absl::Status CheckToken(const std::string& token) {
 void AddConnectionFlags(CLI::App& command, ServerFlags& flags, const std::string& server) {
   command.add_option("--server", flags.address, server)->type_name("HOST:PORT");
   command
-      .add_option("--timeout", flags.timeout_seconds, "Seconds for each request (default: none)")
-      ->type_name("S")
-      ->check(CLI::PositiveNumber);
+      .add_option("--timeout", flags.timeout_seconds,
+                  "Time for each request, in seconds or with a unit, as 8s, 500ms or 10m (default: "
+                  "none)")
+      ->type_name("TIME")
+      ->check(CLI::PositiveNumber)
+      ->transform(CLI::AsNumberWithUnit(
+          std::map<std::string, double>{{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}}));
   CLI::Option* const ca =
       command
           .add_option("--tls-ca", flags.tls_ca,

@@ -12,7 +12,7 @@
 #include "dynmesh/quality.h"
 #include "tests/support/point_layouts.h"
 
-namespace dynmesh {
+namespace dynmesh::build_mesh_test {
 namespace {
 
 MeshOptions OptionsIn(int dimension) {
@@ -168,4 +168,4 @@ TEST(BuildMesh, IsLimitedInterruptedAndReported) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::build_mesh_test

@@ -12,7 +12,7 @@
 #include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::colliding_names_test {
 namespace {
 
 using test::Distribution;
@@ -193,4 +193,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::colliding_names_test

@@ -7,7 +7,7 @@
 #include "tests/differential/differential.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::commit_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 7;
@@ -200,4 +200,4 @@ TEST(ResumeAt, ChangesTheNumberAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::commit_test

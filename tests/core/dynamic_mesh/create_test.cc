@@ -6,7 +6,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
 
-namespace dynmesh {
+namespace dynmesh::create_test {
 namespace {
 
 MeshOptions OptionsIn(int dimension, double max_edge) {
@@ -50,4 +50,4 @@ TEST_P(Create, EndsWhenInterrupted) {
 INSTANTIATE_TEST_SUITE_P(InBothDimensions, Create, ::testing::Values(2, 3));
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::create_test

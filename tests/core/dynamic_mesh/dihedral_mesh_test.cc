@@ -16,7 +16,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::dihedral_mesh_test {
 namespace {
 
 using test::Distribution;
@@ -172,4 +172,4 @@ TEST(Dihedral, ABoundAskedForChangesABoundedPartMore) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::dihedral_mesh_test

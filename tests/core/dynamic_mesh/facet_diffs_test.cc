@@ -13,7 +13,7 @@
 #include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::facet_diffs_test {
 namespace {
 
 using Delta = plc::Delta<3>;
@@ -210,4 +210,4 @@ TEST(FacetDiffs, AreFromScratchAndCoverFacetsAfterEveryChange) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::facet_diffs_test

@@ -12,7 +12,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::fallback_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 11;
@@ -222,4 +222,4 @@ TEST(WorkLimit, HoldsForACreationToo) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::fallback_test

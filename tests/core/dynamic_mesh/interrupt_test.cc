@@ -14,7 +14,7 @@
 #include "tests/differential/differential.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::interrupt_test {
 namespace {
 
 LiveMeshTuning AlwaysRebuild() {
@@ -223,4 +223,4 @@ TEST(Interrupt, ValidationIsAskedBeforeItsFirstFeature) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::interrupt_test

@@ -18,7 +18,7 @@
 #include "tests/support/seed.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::labels_test {
 namespace {
 
 using test::Distribution;
@@ -343,4 +343,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& history) { return history.param.name; });
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::labels_test

@@ -20,7 +20,7 @@
 #include "tests/core/dynamic_mesh/demand_scenes.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh {
+namespace dynmesh::least_vertices_test {
 namespace {
 
 using test::Scenes;
@@ -442,4 +442,4 @@ TEST(LeastVertices, AreAFunctionOfTheFeatures) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::least_vertices_test

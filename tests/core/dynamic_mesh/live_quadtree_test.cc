@@ -12,7 +12,7 @@
 #include "dynmesh/error.h"
 #include "dynmesh/quadtree.h"
 
-namespace dynmesh {
+namespace dynmesh::live_quadtree_test {
 namespace {
 
 MeshOptions Quadtree(int dimension = 2) {
@@ -233,4 +233,4 @@ TEST(LiveQuadtree, ProgressAndMemoryAreReported) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::live_quadtree_test

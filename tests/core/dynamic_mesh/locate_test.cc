@@ -12,7 +12,7 @@
 #include "core/geometry/space_predicates.h"
 #include "dynmesh/dynamic_mesh.h"
 
-namespace dynmesh {
+namespace dynmesh::locate_test {
 namespace {
 
 template <int D>
@@ -109,4 +109,4 @@ TEST(Locate, In3DFindsTheSimplexWhoseIdsAreTheLeast) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::locate_test

@@ -13,7 +13,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::progress_test {
 namespace {
 
 using Stage = ApplyProgress::Stage;
@@ -235,4 +235,4 @@ TEST(ProgressMeter, KeepsItsPromiseWhateverItIsFedWith) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::progress_test

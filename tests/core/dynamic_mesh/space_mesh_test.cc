@@ -15,7 +15,7 @@
 #include "dynmesh/quality.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::space_mesh_test {
 namespace {
 
 using geometry::Point3;
@@ -289,4 +289,4 @@ TEST(SpaceMesh, OfTheMostExtremeBoxesIsGood) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::space_mesh_test

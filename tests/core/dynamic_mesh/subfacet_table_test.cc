@@ -11,7 +11,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::subfacet_table_test {
 namespace {
 
 using Face = SubfacetTable::Face;
@@ -189,4 +189,4 @@ TEST(SubfacetTable, IsWhatAllFacesSayAfterEveryChange) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::subfacet_table_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::vertex_names_test {
 namespace {
 
 using geometry::Point2;
@@ -82,4 +82,4 @@ TEST(VertexNames, WithoutCollisionsAreTheHashAlone) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::vertex_names_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::anchor_lattice_test {
 namespace {
 
 template <class D>
@@ -207,4 +207,4 @@ TEST(AnchorLattice, EndsWhenAskedTo) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::anchor_lattice_test

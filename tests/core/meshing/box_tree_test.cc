@@ -11,7 +11,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::box_tree_test {
 namespace {
 
 template <int D>
@@ -125,4 +125,4 @@ TEST(BoxTree, EntersFewBoxesBesideASurface) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::box_tree_test

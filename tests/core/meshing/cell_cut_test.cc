@@ -12,7 +12,7 @@
 #include "core/geometry/constructions.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::cell_cut_test {
 namespace {
 
 using geometry::Point3;
@@ -125,4 +125,4 @@ TEST(CellCut, AnEdgeGoesThroughAFacetOrPastIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::cell_cut_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::corner_set_test {
 namespace {
 
 template <int D>
@@ -53,4 +53,4 @@ TEST(CornerSet, IsASetOfCornersInSpace) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::corner_set_test

@@ -11,7 +11,7 @@
 #include "core/meshing/thesis_criterion.h"
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::criteria_test {
 namespace {
 
 constexpr double kNear = 0.125, kFar = 0.5;
@@ -181,4 +181,4 @@ TYPED_TEST(CriteriaTest, ByTheThesisTheNextCompletesAreThoseOfNearestNeighbours)
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::criteria_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::element_store_test {
 namespace {
 
 using Change = std::tuple<std::uint32_t, bool, bool>;  // index, is, was
@@ -137,4 +137,4 @@ TEST(ElementStore, RandomEditsAddUp) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::element_store_test

@@ -12,7 +12,7 @@
 
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::encroachment_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261126;
@@ -213,4 +213,4 @@ TEST(Encroachment, OnTheSidesOfTheDomain) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::encroachment_test

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::facet_lattice_test {
 namespace {
 
 using geometry::FacetPlane;
@@ -114,4 +114,4 @@ TEST(FacetLattice, SmallCellsShareThePointsOut) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::facet_lattice_test

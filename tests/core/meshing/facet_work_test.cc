@@ -8,7 +8,7 @@
 
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::facet_work_test {
 namespace {
 
 using geometry::Point3;
@@ -150,4 +150,4 @@ TEST(FacetWork, InThePlaneNothingIsFound) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::facet_work_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::input_features_test {
 namespace {
 
 template <class D>
@@ -132,4 +132,4 @@ TEST(InputFeatures, SegmentsAtOnePointAreListedOnceEach) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::input_features_test

@@ -19,7 +19,7 @@
 #include "tests/support/asked.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::mesh_quality_test {
 namespace {
 
 using Exact = CGAL::Exact_rational;
@@ -452,4 +452,4 @@ INSTANTIATE_TEST_SUITE_P(All, MeshQuality,
                          NameOfCase);
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::mesh_quality_test

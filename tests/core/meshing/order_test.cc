@@ -10,7 +10,7 @@
 
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::order_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261128;
@@ -151,4 +151,4 @@ TEST(Order, WorkOfAnEarlierBucketComesNowOrInTheNextRound) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::order_test

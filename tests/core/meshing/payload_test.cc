@@ -12,7 +12,7 @@
 #include "core/meshing/read_cover.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::payload_test {
 namespace {
 
 using geometry::Point;
@@ -245,4 +245,4 @@ static_assert(sizeof(Payload<2>) == 8);
 static_assert(sizeof(Payload<3>) == 12);
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::payload_test

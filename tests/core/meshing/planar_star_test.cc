@@ -13,7 +13,7 @@
 
 #include "tests/core/delaunay/delaunay_oracle.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::planar_star_test {
 namespace {
 
 using delaunay::testing::Layout;
@@ -239,4 +239,4 @@ INSTANTIATE_TEST_SUITE_P(All, StarTest, testing::ValuesIn(delaunay::testing::kAl
                          [](const auto& its) { return delaunay::testing::LayoutName(its.param); });
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::planar_star_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::polygon_area_test {
 namespace {
 
 using geometry::Point2;
@@ -91,4 +91,4 @@ TEST(PolygonArea, DoesNotDependOnWhereARingBeginsOrWhichWayItGoes) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::polygon_area_test

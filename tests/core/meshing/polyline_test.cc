@@ -11,7 +11,7 @@
 #include "core/meshing/sizing_field.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::polyline_test {
 namespace {
 
 using geometry::Point;
@@ -186,4 +186,4 @@ TEST(Polyline, WithARadiusIsACapsule) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::polyline_test

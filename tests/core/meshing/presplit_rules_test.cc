@@ -13,7 +13,7 @@
 #include "core/meshing/presplit.h"
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::presplit_rules_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261127;
@@ -210,4 +210,4 @@ TEST(PresplitRules, TheNearestFacetIsThatOfAll) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::presplit_rules_test

@@ -9,7 +9,7 @@
 
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::publisher_test {
 namespace {
 
 using geometry::Point2;
@@ -190,4 +190,4 @@ TEST_F(PublisherTest, AnExposureMattersToMakersInItsBallAndToAttentiveOperations
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::publisher_test

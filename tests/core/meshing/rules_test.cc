@@ -12,7 +12,7 @@
 #include "core/meshing/planar_rules.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::rules_test {
 namespace {
 
 using Exact = CGAL::Exact_rational;
@@ -224,4 +224,4 @@ TEST(Rules, ReachIsBeyondTheOffCenterOfEveryEdgeThatIsJudgedWithIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::rules_test

@@ -12,7 +12,7 @@
 #include "core/geometry/constructions.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::sharp_facets_test {
 namespace {
 
 using geometry::Point3;
@@ -214,4 +214,4 @@ TEST(SharpFacets, AnEdgeInTheFacetsOwnDirectionDoesNotLean) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::sharp_facets_test

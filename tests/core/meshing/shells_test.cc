@@ -13,7 +13,7 @@
 #include "core/geometry/angles.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::shells_test {
 namespace {
 
 using geometry::Point2;
@@ -206,4 +206,4 @@ TEST(SplitRule, OfASegmentSharpAtBothEndsIsHandedOverFirst) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::shells_test

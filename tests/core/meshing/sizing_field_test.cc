@@ -10,7 +10,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::sizing_field_test {
 namespace {
 
 using geometry::Point2;
@@ -133,4 +133,4 @@ TEST(SizingField, DoesNotGrowAsARegionTravels) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::sizing_field_test

@@ -24,7 +24,7 @@
 #include "core/meshing/trace_audit.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::space_facets_test {
 namespace {
 
 using geometry::Point3;
@@ -354,4 +354,4 @@ TEST(SpaceFacets, BetweenEdgesThatAreSplitOftenTheTriangulationIsLeft) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::space_facets_test

@@ -14,7 +14,7 @@
 #include "core/meshing/corner_towards.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::space_star_test {
 namespace {
 
 using geometry::Point3;
@@ -342,4 +342,4 @@ TEST(SpaceStar, WhatIsVerifiedStaysSo) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::space_star_test

@@ -14,7 +14,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::spatial_tree_test {
 namespace {
 
 using NodeIndex = std::uint32_t;
@@ -444,4 +444,4 @@ TEST(SpatialTree, ACrowdedLeafIsSplitForABoxToKeep) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::spatial_tree_test

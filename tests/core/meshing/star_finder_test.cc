@@ -14,7 +14,7 @@
 
 #include "tests/core/meshing/lone_complex.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::star_finder_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261125;
@@ -250,4 +250,4 @@ TYPED_TEST(StarFinderTest, ReadsAreWithinWhatIsSubscribedAndKept) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::star_finder_test

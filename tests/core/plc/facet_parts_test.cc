@@ -14,7 +14,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::facet_parts_test {
 namespace {
 
 constexpr int kSide = 6;
@@ -120,4 +120,4 @@ TEST(FacetParts, OneRingIsOnePart) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::facet_parts_test

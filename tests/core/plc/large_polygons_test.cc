@@ -9,7 +9,7 @@
 #include "dynmesh/error.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::large_polygons_test {
 namespace {
 
 constexpr int kTeeth = 20'000;
@@ -81,4 +81,4 @@ TEST(LargePolygons, HaveManyHoles) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::large_polygons_test

@@ -19,7 +19,7 @@
 #include "tests/core/plc/naive_plc.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::plc_property_test {
 namespace {
 
 // Legal means geometrically legal: a very large number of vertices does not matter here.
@@ -445,4 +445,4 @@ TEST(PlcProperty, AnswersDoNotDependOnHistory) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::plc_property_test

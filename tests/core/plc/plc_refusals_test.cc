@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::plc_refusals_test {
 namespace {
 
 constexpr double kLimit = 0x1p-41;  // in the unit square
@@ -355,4 +355,4 @@ TEST_F(PlcRefusals, OneBadFeatureIsFoundWhereverItStands) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::plc_refusals_test

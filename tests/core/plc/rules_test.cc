@@ -9,7 +9,7 @@
 
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::rules_test {
 namespace {
 
 using geometry::Point2;
@@ -107,4 +107,4 @@ TEST(Rules, NearnessIsTheSameFromBothEndsToTheBit) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::rules_test

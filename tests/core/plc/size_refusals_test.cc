@@ -7,7 +7,7 @@
 
 #include "tests/core/plc/plc_refusals.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::size_refusals_test {
 namespace {
 
 TEST_F(PlcRefusals, Sizes) {
@@ -113,4 +113,4 @@ TEST_F(PlcRefusals, SizingPolygons) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::size_refusals_test

@@ -13,7 +13,7 @@
 #include "dynmesh/error.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::space_plc_test {
 namespace {
 
 using Ids = std::vector<FeatureId>;
@@ -494,4 +494,4 @@ TEST(SpacePlc, FacetsComeAndGoWithPolygonsAndFollowTheirCorners) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::space_plc_test

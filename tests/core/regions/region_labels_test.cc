@@ -9,7 +9,7 @@
 #include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::region_labels_test {
 namespace {
 
 using Place = std::array<double, 2>;
@@ -196,4 +196,4 @@ TEST(RegionLabels, OwnersOfSharedEdgesAreTheSegmentThenTheLeastPolygon) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::region_labels_test

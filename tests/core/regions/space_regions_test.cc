@@ -18,7 +18,7 @@
 #include "tests/core/regions/space_regions_oracle.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::space_regions_test {
 namespace {
 
 using testing::operator+;
@@ -416,4 +416,4 @@ TEST(SpaceRegions, FollowRandomScripts) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::space_regions_test

@@ -14,7 +14,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::surface_table_test {
 namespace {
 
 using plc::FacetFeature;
@@ -291,4 +291,4 @@ TEST(SurfaceTable, APolygonThatFallsApartDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::surface_table_test

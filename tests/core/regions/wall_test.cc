@@ -12,7 +12,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::wall_test {
 namespace {
 
 using geometry::Point3;
@@ -108,4 +108,4 @@ TEST(Wall, NothingIsToldOnOne) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::wall_test

@@ -13,7 +13,7 @@
 
 #include "tests/core/sac/random_script.h"
 
-namespace dynmesh::sac {
+namespace dynmesh::sac::epoch_order_test {
 namespace {
 
 using testing::NewSeed;
@@ -281,4 +281,4 @@ TEST(EpochOrder, AnEpochThatWasCrowdedIsATableAgainWhenItWasEmpty) {
 }
 
 }  // namespace
-}  // namespace dynmesh::sac
+}  // namespace dynmesh::sac::epoch_order_test

@@ -11,7 +11,7 @@
 
 #include "tests/core/sac/random_script.h"
 
-namespace dynmesh::sac {
+namespace dynmesh::sac::order_list_test {
 namespace {
 
 using testing::NewSeed;
@@ -295,4 +295,4 @@ TEST(OrderList, CanBeEmptiedAndUsedAgain) {
 }
 
 }  // namespace
-}  // namespace dynmesh::sac
+}  // namespace dynmesh::sac::order_list_test

@@ -9,7 +9,7 @@
 
 #include "tests/core/sac/random_script.h"
 
-namespace dynmesh::sac {
+namespace dynmesh::sac::work_queue_test {
 namespace {
 
 using testing::NewSeed;
@@ -119,4 +119,4 @@ TEST(WorkQueue, AgreesWithASetUnderRandomScripts) {
 }
 
 }  // namespace
-}  // namespace dynmesh::sac
+}  // namespace dynmesh::sac::work_queue_test

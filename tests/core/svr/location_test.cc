@@ -22,7 +22,7 @@
 #include "tests/core/svr/svr_of_points.h"
 #include "tests/support/point_layouts.h"
 
-namespace dynmesh::svr {
+namespace dynmesh::svr::location_test {
 namespace {
 
 using geometry::Point;
@@ -230,4 +230,4 @@ TYPED_TEST(LocationTest, PointsAreListedAndFoundInAnyTriangulation) {
 }
 
 }  // namespace
-}  // namespace dynmesh::svr
+}  // namespace dynmesh::svr::location_test

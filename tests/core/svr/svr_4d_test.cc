@@ -13,7 +13,7 @@
 #include "tests/support/nightly.h"
 #include "tests/support/point_layouts.h"
 
-namespace dynmesh::svr {
+namespace dynmesh::svr::svr_4d_test {
 namespace {
 
 constexpr double kQuality = 2;
@@ -128,4 +128,4 @@ TEST(Svr4D, OtherPointLocationsAreGoodAndDelaunay) {
 }
 
 }  // namespace
-}  // namespace dynmesh::svr
+}  // namespace dynmesh::svr::svr_4d_test

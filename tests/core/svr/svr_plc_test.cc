@@ -11,7 +11,7 @@
 
 #include "core/svr/svr.h"
 
-namespace dynmesh::svr {
+namespace dynmesh::svr::svr_plc_test {
 namespace {
 
 using geometry::Point2;
@@ -130,4 +130,4 @@ TEST(SvrPlc, NoMeshOnTheWayIsBad) {
 }
 
 }  // namespace
-}  // namespace dynmesh::svr
+}  // namespace dynmesh::svr::svr_plc_test

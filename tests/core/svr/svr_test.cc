@@ -18,7 +18,7 @@
 #include "tests/core/svr/svr_of_points.h"
 #include "tests/support/point_layouts.h"
 
-namespace dynmesh::svr {
+namespace dynmesh::svr::svr_test {
 namespace {
 
 using test::kLayouts;
@@ -159,4 +159,4 @@ TEST(VoronoiLocation, ShellsSpareLooks) {
 }
 
 }  // namespace
-}  // namespace dynmesh::svr
+}  // namespace dynmesh::svr::svr_test
