@@ -33,7 +33,7 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
     EXPECT_EQ(mesh.hash(), hash) << "stop " << stop;
     EXPECT_EQ(audit.problems, std::vector<std::string>());
     EXPECT_EQ(audit.trace, trace) << "stop " << stop;
-    if (testing::Test::HasFailure()) return tried;
+    if (::testing::Test::HasFailure()) return tried;
   }
 }
 
@@ -88,7 +88,7 @@ void ExpectStopsToChangeNothing(Generator generator, int revisions, double min_d
     const EditBatch batch = generator.Next(mesh.Features());
     if (batch.empty() || !mesh.Validate(batch).ok()) continue;
     tried += StopAgainAndAgain(mesh, batch);
-    ASSERT_FALSE(testing::Test::HasFailure());
+    ASSERT_FALSE(::testing::Test::HasFailure());
     ++revision;
     const Difference d = CompareWithScratch(mesh, true);
     ASSERT_FALSE(d.found) << d.what;
@@ -96,7 +96,7 @@ void ExpectStopsToChangeNothing(Generator generator, int revisions, double min_d
   EXPECT_GT(tried, D == 2 ? 50 : 10 * revisions);
 }
 
-class Abandon : public testing::TestWithParam<Distribution> {};
+class Abandon : public ::testing::TestWithParam<Distribution> {};
 
 TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
   if (DimensionOf(GetParam()) == 2) {
@@ -106,7 +106,7 @@ TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
   }
 }
 
-class AbandonPolygons : public testing::TestWithParam<PolygonKind> {};
+class AbandonPolygons : public ::testing::TestWithParam<PolygonKind> {};
 
 TEST_P(AbandonPolygons, AtAnyOperationBringsTheFormerTraceBack) {
   ExpectStopsToChangeNothing<3>(PolygonScript(GetParam(), 2, kSeed), 3);
@@ -140,19 +140,19 @@ TEST(AbandonAnchors, AtAnyOfFacetsBringsTheFormerTraceBack) {
   ExpectStopsAmongAnchorsToChangeNothing<3>(present, batch);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),
+INSTANTIATE_TEST_SUITE_P(All, Abandon, ::testing::ValuesIn(kAllDistributions),
                          [](const auto& given) { return NameOf(given.param); });
-INSTANTIATE_TEST_SUITE_P(Space, Abandon, testing::ValuesIn(kSpaceDistributions),
+INSTANTIATE_TEST_SUITE_P(Space, Abandon, ::testing::ValuesIn(kSpaceDistributions),
                          [](const auto& given) { return NameOf(given.param); });
-INSTANTIATE_TEST_SUITE_P(All, AbandonPolygons, testing::ValuesIn(kPolygonKinds),
+INSTANTIATE_TEST_SUITE_P(All, AbandonPolygons, ::testing::ValuesIn(kPolygonKinds),
                          [](const auto& given) { return NameOf(given.param); });
 
 template <class Dimension>
-class Limit : public testing::Test {
+class Limit : public ::testing::Test {
  public:
   static constexpr int kDimension = Dimension::value;
 };
-using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(Limit, Dimensions);
 
 TYPED_TEST(Limit, OfVerticesRefusesTheBatchAndChangesNothing) {
@@ -210,7 +210,7 @@ Feature SquarePolygon(FeatureId id, FeatureId first) {
   return Feature::Polygon(id, {{first, first + 1, first + 2, first + 3}});
 }
 
-class PolygonLimit : public testing::TestWithParam<bool> {
+class PolygonLimit : public ::testing::TestWithParam<bool> {
  protected:
   PolygonLimit() : mesh_({}, GetParam() ? LiveMeshTuning{} : AlwaysPropagate()) {}
 
@@ -325,7 +325,7 @@ TEST_P(PolygonLimit, OfOnesInEachOtherRefusesTheBatchAndChangesNothing) {
          2 + kMostPolygonsAtAPlace, all);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PolygonLimit, testing::Bool(), [](const auto& given) {
+INSTANTIATE_TEST_SUITE_P(All, PolygonLimit, ::testing::Bool(), [](const auto& given) {
   return given.param ? "BuiltAnewIfLarge" : "Propagated";
 });
 

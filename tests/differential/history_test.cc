@@ -46,7 +46,7 @@ void ExpectFromScratch(Distribution distribution, const Asked& asked,
 }
 
 using Given = std::tuple<Distribution, int>;
-class History : public testing::TestWithParam<Given> {};
+class History : public ::testing::TestWithParam<Given> {};
 
 // Many tiny scripts, where everything interacts, and a few larger ones.
 TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
@@ -57,14 +57,14 @@ TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, History,
-                         testing::Combine(testing::ValuesIn(kAllDistributions),
-                                          testing::Range(0, kAskedCount)),
+                         ::testing::Combine(::testing::ValuesIn(kAllDistributions),
+                                            ::testing::Range(0, kAskedCount)),
                          [](const auto& given) {
                            return NameOf(std::get<0>(given.param)) +
                                   kAsked[std::get<1>(given.param)].name;
                          });
 
-class SpaceHistory : public testing::TestWithParam<Given> {};
+class SpaceHistory : public ::testing::TestWithParam<Given> {};
 
 TEST_P(SpaceHistory, DynamicIsFromScratchAfterEveryRevision) {
   ExpectFromScratch(std::get<0>(GetParam()), kAskedInSpace[std::get<1>(GetParam())],
@@ -73,8 +73,8 @@ TEST_P(SpaceHistory, DynamicIsFromScratchAfterEveryRevision) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SpaceHistory,
-                         testing::Combine(testing::ValuesIn(kSpaceDistributions),
-                                          testing::Range(0, kAskedInSpaceCount)),
+                         ::testing::Combine(::testing::ValuesIn(kSpaceDistributions),
+                                            ::testing::Range(0, kAskedInSpaceCount)),
                          [](const auto& given) {
                            return NameOf(std::get<0>(given.param)) +
                                   kAskedInSpace[std::get<1>(given.param)].name;

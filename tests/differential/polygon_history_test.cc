@@ -36,7 +36,7 @@ MeshOptions OptionsOf(const Asked& asked) {
 }
 
 using Given = std::tuple<PolygonKind, int>;
-class PolygonHistory : public testing::TestWithParam<Given> {};
+class PolygonHistory : public ::testing::TestWithParam<Given> {};
 
 // Scripts of `revisions` revisions around that many solids.
 struct Setting {
@@ -69,8 +69,8 @@ TEST_P(PolygonHistory, DynamicIsFromScratchAndGoodAfterEveryRevision) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PolygonHistory,
-                         testing::Combine(testing::ValuesIn(kPolygonKinds),
-                                          testing::Range(0, kAskedInSpaceCount)),
+                         ::testing::Combine(::testing::ValuesIn(kPolygonKinds),
+                                            ::testing::Range(0, kAskedInSpaceCount)),
                          [](const auto& given) {
                            return NameOf(std::get<0>(given.param)) +
                                   kAskedInSpace[std::get<1>(given.param)].name;

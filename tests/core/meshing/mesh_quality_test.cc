@@ -32,7 +32,7 @@ using test::kAsked;
 CgalPoint ToCgal(const Point2& p) { return {p[0], p[1]}; }
 
 // Twice the signed area.
-Exact Cross(const Point2& a, const Point2& b, const Point2& c) {
+Exact ExactCross(const Point2& a, const Point2& b, const Point2& c) {
   return (Exact(b[0]) - a[0]) * (Exact(c[1]) - a[1]) - (Exact(b[1]) - a[1]) * (Exact(c[0]) - a[0]);
 }
 
@@ -86,7 +86,7 @@ void CheckDelaunay(const Judged& j) {
   ASSERT_EQ(places.size(), j.mesh.vertices.size()) << "an id stands twice";
   Exact area = 0;
   for (const auto& t : j.triangles) {
-    const Exact cross = Cross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
+    const Exact cross = ExactCross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
     ASSERT_GT(cross, 0) << "not counter-clockwise";
     area += cross;
   }
@@ -170,7 +170,7 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
       // A polygon has other edges: only what lies along this one.
       const auto is_along = [&](VertexId v) {
         const Point2& x = j.at.at(v);
-        const double cross = CGAL::to_double(Cross(p, q, x));
+        const double cross = CGAL::to_double(ExactCross(p, q, x));
         return std::fabs(cross) <= 8 * ulp * std::sqrt(CGAL::to_double(Squared(p, q))) &&
                Squared(x, p) <= Squared(p, q) && Squared(x, q) <= Squared(p, q);
       };
@@ -188,7 +188,7 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
       before = std::exchange(v, w);
       ++steps;
       const double off =
-          CGAL::to_double(Cross(p, q, j.at.at(v))) / std::sqrt(CGAL::to_double(Squared(p, q)));
+          CGAL::to_double(ExactCross(p, q, j.at.at(v))) / std::sqrt(CGAL::to_double(Squared(p, q)));
       ASSERT_LE(std::fabs(off), 8 * ulp) << "segment of " << f.owner << " bends";
     }
     subsegments_met[f.owner] += steps;
@@ -264,7 +264,7 @@ void CheckRadiusEdge(const Judged& j, const std::set<Edge>& seditious) {
       if (shortest == 0 || e2 < shortest) shortest = e2;
     }
     if (shortest == 0) continue;
-    const Exact cross = Cross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
+    const Exact cross = ExactCross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
     // R^2 = product / (2 cross)^2.
     const Exact bound = Exact(j.options.quality) * (1 + Exact(j.slack(CGAL::to_double(shortest))));
     // The test itself rounds: some 2^-50, far below h.
@@ -287,7 +287,7 @@ void CheckVoronoiAspect(const Judged& j, const std::set<Edge>& seditious) {
   }
   for (const auto& t : j.triangles) {
     const Point2 &a = j.at.at(t[0]), &b = j.at.at(t[1]), &c = j.at.at(t[2]);
-    const Exact cross = Cross(a, b, c);
+    const Exact cross = ExactCross(a, b, c);
     const Exact r2 = Squared(a, b) * Squared(b, c) * Squared(c, a) / (4 * cross * cross);
     for (const VertexId v : t) {
       const Exact bound =
