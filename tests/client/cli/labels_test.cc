@@ -16,7 +16,7 @@
 #include "tests/client/cli/command_line.h"
 #include "tests/support/number_rows.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::labels_test {
 namespace {
 
 // A unit square with a hole, markers everywhere but on segment 3; the attribute is x + y. The
@@ -491,4 +491,4 @@ TEST_F(Labels, ScriptsWithBadLabelsAreRefused) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::labels_test

@@ -10,7 +10,7 @@
 #include "tests/client/cli/command_line.h"
 #include "tests/support/number_rows.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::refine_test {
 namespace {
 
 constexpr char kFrame[] =
@@ -206,4 +206,4 @@ TEST_F(Refine, MeshesAreGeometryWithoutIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::refine_test

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::seed_polygons_test {
 namespace {
 
 // A square with two square holes, one of them with a square region inside.
@@ -169,4 +169,4 @@ TEST_F(SeedPolygons, FlagsThatChooseByPolygonAreChecked) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::seed_polygons_test

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::selection_test {
 namespace {
 
 // A unit square with a square room in it, by segments.
@@ -144,4 +144,4 @@ TEST_F(InsideFlag, IsOfNoQuadtree) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::selection_test
