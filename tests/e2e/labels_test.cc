@@ -13,7 +13,7 @@
 #include "tests/support/seed.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::labels_test {
 namespace {
 
 LabelColumn LabelsOf(const std::vector<Feature>& features) {
@@ -113,4 +113,4 @@ TEST_F(EndToEndTest, AnEditOfLabelsIsAnsweredAndRepeatedAsOthersAre) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::labels_test

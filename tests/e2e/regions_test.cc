@@ -9,7 +9,7 @@
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh {
+namespace dynmesh::regions_test {
 namespace {
 
 constexpr FeatureId kLeft = 101, kRight = 102, kNone = 999;
@@ -100,4 +100,4 @@ TEST_F(EndToEndTest, AWatchOfPolygonsEndsEqualToAnExportOfThem) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::regions_test

@@ -22,7 +22,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::remote_commands_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -395,4 +395,4 @@ TEST_F(RemoteCommandsTest, TheDaemonRefusesBadFlags) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::remote_commands_test

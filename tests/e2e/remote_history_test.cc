@@ -12,7 +12,7 @@
 #include "tests/e2e/run_dynmesh.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::remote_history_test {
 namespace {
 
 constexpr char kScript[] =
@@ -165,4 +165,4 @@ TEST_F(RemoteHistoryTest, LabelsGoFromScriptsToWatchesAndFiles) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::remote_history_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh {
+namespace dynmesh::space_test {
 namespace {
 
 MeshOptions InSpace() {
@@ -307,4 +307,4 @@ TEST_F(SpaceEndToEnd, LocatedTetrahedraHoldTheirPoints) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::space_test

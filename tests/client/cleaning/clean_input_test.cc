@@ -5,7 +5,7 @@
 #include "dynmesh/error.h"
 #include "gtest/gtest.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::clean_input_test {
 namespace {
 
 constexpr double kTolerance = 0.01;
@@ -185,4 +185,4 @@ TEST(CleanInput, PastALimitItSaysWhatIsLeft) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::clean_input_test

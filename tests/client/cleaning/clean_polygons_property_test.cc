@@ -19,7 +19,7 @@
 #include "tests/client/cleaning/is_legal.h"
 #include "tests/client/cleaning/messy_polygons.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::clean_polygons_property_test {
 namespace {
 
 using Spot = std::array<double, 2>;
@@ -245,4 +245,4 @@ INSTANTIATE_TEST_SUITE_P(Tolerances, CleanMessyPolygons,
                          ::testing::Values(0, 1e-6, 1e-3, 0.03, 0.3));
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::clean_polygons_property_test

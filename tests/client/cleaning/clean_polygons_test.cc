@@ -8,7 +8,7 @@
 #include "dynmesh/error.h"
 #include "gtest/gtest.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::clean_polygons_test {
 namespace {
 
 using Ids = std::vector<FeatureId>;
@@ -176,4 +176,4 @@ TEST(CleanPolygons, CornersThatAreNoPointsAreNamed) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::clean_polygons_test

@@ -17,7 +17,7 @@
 #include "tests/client/cleaning/is_legal.h"
 #include "tests/client/cleaning/messy_input.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::clean_property_test {
 namespace {
 
 using Place = std::array<double, 2>;
@@ -178,4 +178,4 @@ TEST_P(CleanMessyInput, IdsAreKeptWherePossible) {
 INSTANTIATE_TEST_SUITE_P(Tolerances, CleanMessyInput, ::testing::Values(0, 1e-6, 1e-3, 0.03, 0.3));
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::clean_property_test

@@ -10,7 +10,7 @@
 #include "tests/client/cleaning/surface_oracle.h"
 #include "tests/client/cleaning/surface_soups.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::contact_index_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 23;
@@ -98,4 +98,4 @@ TEST(ContactIndex, WhatIsNearerThanTheDistanceIsAContact) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::contact_index_test

@@ -21,7 +21,7 @@
 #include "tests/client/cleaning/test_surfaces.h"
 #include "tests/support/nightly.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::feature_edges_property_test {
 namespace {
 
 constexpr double kTolerance = 1e-10;
@@ -184,4 +184,4 @@ TEST(FeatureEdges, SurfacesStayNearClosedAndWithoutNeedles) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::feature_edges_property_test

@@ -8,7 +8,7 @@
 
 #include "tests/client/cleaning/surface_soups.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::hole_triangulation_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
@@ -49,4 +49,4 @@ TEST(HoleTriangulation, NoneHasALargerLeastAngle) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::hole_triangulation_test

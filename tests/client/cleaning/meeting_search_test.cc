@@ -6,7 +6,7 @@
 
 #include "gtest/gtest.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::meeting_search_test {
 namespace {
 
 constexpr double kTolerance = 1e-4;
@@ -106,4 +106,4 @@ TEST(MeetingSearch, EndsEarlyWhenTold) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::meeting_search_test

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::node_table_test {
 namespace {
 
 TEST(NodeTable, NearAgreesWithLookingAtAll) {
@@ -29,4 +29,4 @@ TEST(NodeTable, NearAgreesWithLookingAtAll) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::node_table_test

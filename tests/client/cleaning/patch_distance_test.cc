@@ -10,7 +10,7 @@
 
 #include "tests/client/cleaning/sampled_distance.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::patch_distance_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 17;
@@ -89,4 +89,4 @@ TEST(PatchDistance, WhatIsProvedHoldsForSamples) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::patch_distance_test

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::polygon_rings_test {
 namespace {
 
 using Edges = std::vector<NodePair>;
@@ -43,4 +43,4 @@ TEST(PolygonRings, ARingThatStandsThriceIsThereOnce) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::polygon_rings_test

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::cleaning {
+namespace dynmesh::cleaning::seed_faces_test {
 namespace {
 
 // Points by id, then closed chains and single segments between them.
@@ -224,4 +224,4 @@ TEST(SeedFaces, EqualFloodedCells) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cleaning
+}  // namespace dynmesh::cleaning::seed_faces_test

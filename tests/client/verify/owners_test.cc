@@ -13,7 +13,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::owners_test {
 namespace {
 
 using test::Distribution, test::PolygonKind;
@@ -61,7 +61,7 @@ std::size_t ExpectFound(const std::vector<Feature>& features, const Mesh& mesh) 
   return owned;
 }
 
-class OwnersOfWorkload : public testing::TestWithParam<Distribution> {};
+class OwnersOfWorkload : public ::testing::TestWithParam<Distribution> {};
 
 TEST_P(OwnersOfWorkload, AreThoseOfTheMesher) {
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -76,12 +76,12 @@ TEST_P(OwnersOfWorkload, AreThoseOfTheMesher) {
     ExpectFound(features, *mesh);
   }
 }
-INSTANTIATE_TEST_SUITE_P(In2D, OwnersOfWorkload, testing::ValuesIn(test::kAllDistributions),
+INSTANTIATE_TEST_SUITE_P(In2D, OwnersOfWorkload, ::testing::ValuesIn(test::kAllDistributions),
                          [](const auto& d) { return NameOf(d.param); });
-INSTANTIATE_TEST_SUITE_P(In3D, OwnersOfWorkload, testing::ValuesIn(test::kSpaceDistributions),
+INSTANTIATE_TEST_SUITE_P(In3D, OwnersOfWorkload, ::testing::ValuesIn(test::kSpaceDistributions),
                          [](const auto& d) { return NameOf(d.param); });
 
-class OwnersOfPolygons : public testing::TestWithParam<PolygonKind> {};
+class OwnersOfPolygons : public ::testing::TestWithParam<PolygonKind> {};
 
 TEST_P(OwnersOfPolygons, AreThoseOfTheMesher) {
   std::size_t owned = 0;
@@ -96,8 +96,8 @@ TEST_P(OwnersOfPolygons, AreThoseOfTheMesher) {
   }
   EXPECT_GT(owned, 50U);
 }
-INSTANTIATE_TEST_SUITE_P(All, OwnersOfPolygons, testing::ValuesIn(test::kPolygonKinds),
+INSTANTIATE_TEST_SUITE_P(All, OwnersOfPolygons, ::testing::ValuesIn(test::kPolygonKinds),
                          [](const auto& kind) { return NameOf(kind.param); });
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::owners_test

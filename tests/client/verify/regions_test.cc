@@ -14,7 +14,7 @@
 #include "tests/client/verify/report_text.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::regions_test {
 namespace {
 
 using testing::GoodMesh;
@@ -221,4 +221,4 @@ TEST(VerifyRegions, OfALargeMeshAndLongPolygonsAreQuick) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::regions_test

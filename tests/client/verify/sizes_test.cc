@@ -10,7 +10,7 @@
 #include "tests/client/verify/report_text.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::sizes_test {
 namespace {
 
 using test::Distribution;
@@ -143,4 +143,4 @@ INSTANTIATE_TEST_SUITE_P(All, MeshOfSizes,
                          [](const auto& row) { return NameOf(row.param); });
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::sizes_test

@@ -16,7 +16,7 @@
 #include "tests/client/verify/report_text.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::space_damage_test {
 namespace {
 
 using io::IndexedMesh;
@@ -403,4 +403,4 @@ TEST(VerifySpace, FindsEveryMovedVertexThatMatters) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::space_damage_test

@@ -19,7 +19,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::svr_test {
 namespace {
 
 absl::StatusOr<Mesh> BySvr(const std::vector<Feature>& features, const MeshOptions& options) {
@@ -74,7 +74,7 @@ void ExpectGood(const std::vector<Feature>& features, const MeshOptions& options
   EXPECT_EQ(PositionsOf(*mesh), PositionsOf(*renamed));
 }
 
-class SvrOfWorkload : public testing::TestWithParam<Distribution> {};
+class SvrOfWorkload : public ::testing::TestWithParam<Distribution> {};
 
 TEST_P(SvrOfWorkload, IsGoodAndAFunctionOfTheSet) {
   const Distribution distribution = GetParam();
@@ -95,12 +95,12 @@ TEST_P(SvrOfWorkload, IsGoodAndAFunctionOfTheSet) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(In2D, SvrOfWorkload, testing::ValuesIn(kAllDistributions),
+INSTANTIATE_TEST_SUITE_P(In2D, SvrOfWorkload, ::testing::ValuesIn(kAllDistributions),
                          [](const auto& d) { return NameOf(d.param); });
-INSTANTIATE_TEST_SUITE_P(In3D, SvrOfWorkload, testing::ValuesIn(kSpaceDistributions),
+INSTANTIATE_TEST_SUITE_P(In3D, SvrOfWorkload, ::testing::ValuesIn(kSpaceDistributions),
                          [](const auto& d) { return NameOf(d.param); });
 
-class SvrOfPolygons : public testing::TestWithParam<PolygonKind> {};
+class SvrOfPolygons : public ::testing::TestWithParam<PolygonKind> {};
 
 TEST_P(SvrOfPolygons, IsGoodAndAFunctionOfTheSet) {
   const int scripts = IsNightly() ? 20 : 2, steps = IsNightly() ? 20 : 4;
@@ -120,7 +120,7 @@ TEST_P(SvrOfPolygons, IsGoodAndAFunctionOfTheSet) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(All, SvrOfPolygons, testing::ValuesIn(kPolygonKinds),
+INSTANTIATE_TEST_SUITE_P(All, SvrOfPolygons, ::testing::ValuesIn(kPolygonKinds),
                          [](const auto& kind) { return NameOf(kind.param); });
 
 TEST(SvrOfSizes, MaxEdgeBoundsAllEdges) {
@@ -138,4 +138,4 @@ TEST(SvrOfSizes, MaxEdgeBoundsAllEdges) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::svr_test

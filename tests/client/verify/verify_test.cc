@@ -19,7 +19,7 @@
 #include "tests/client/verify/report_text.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::cli {
+namespace dynmesh::cli::verify_test {
 namespace {
 
 using testing::GoodMesh;
@@ -335,4 +335,4 @@ TEST(Verify, FindsEveryChangedCorner) {
 }
 
 }  // namespace
-}  // namespace dynmesh::cli
+}  // namespace dynmesh::cli::verify_test
