@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "client/verify/box_grid.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
@@ -36,6 +38,7 @@ class PartInputCheck {
 
   VerifyCheck Run(bool has_edges) {
     CheckPoints();
+    FindMissingPoints();
     if (has_edges) CheckJoints();
     return findings_.Take();
   }
@@ -64,6 +67,65 @@ class PartInputCheck {
         vertex_of_.emplace(vertex.owner, v);
       }
     }
+  }
+
+  // An input point that lies in a simplex is one of its corners.
+  void FindMissingPoints() {
+    absl::flat_hash_set<GridPoint> there;
+    for (const auto& vertex : mesh_.vertices) there.insert(Placed(vertex.position()));
+    std::vector<const Feature*> elsewhere;
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kPoint && !there.contains(Placed(f.position))) {
+        elsewhere.push_back(&f);
+      }
+    }
+    if (elsewhere.empty()) return;
+    BoxGrid points(mesh_, elsewhere.size());
+    for (std::uint32_t i = 0; i < elsewhere.size(); ++i) {
+      const GridPoint at = Placed(elsewhere[i]->position);
+      points.Add(i, at, at);
+    }
+    std::set<std::uint32_t> missing;
+    ForEachSimplex(mesh_, [&](const auto& simplex) {
+      const auto [lo, hi] = BoxOf(mesh_, simplex);
+      points.ForEach(lo, hi, [&, &lo = lo, &hi = hi](std::uint32_t i) {
+        const GridPoint p = Placed(elsewhere[i]->position);
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (p[k] < lo[k] || p[k] > hi[k]) return;
+        }
+        if (Contains(simplex, {p[0], p[1], p[2]})) missing.insert(i);
+      });
+    });
+    for (const std::uint32_t i : missing) {
+      findings_.Add(
+          Concat("point ", elsewhere[i]->id, " of the input is in the part, and no vertex"));
+    }
+  }
+
+  // Equal for equal places: without a third coordinate in 2D, and zero has no sign.
+  GridPoint Placed(const std::array<double, 3>& p) const {
+    return {p[0] + 0.0, p[1] + 0.0, mesh_.dimension == 3 ? p[2] + 0.0 : 0.0};
+  }
+
+  // Inside or on the border. No place is in a simplex that is not positive.
+  bool Contains(const io::IndexedMesh::Triangle& t, const Kernel::Point_3& p) const {
+    const auto flat = [](const Kernel::Point_3& q) { return Kernel::Point_2(q.x(), q.y()); };
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (CGAL::orientation(flat(At(t[k])), flat(At(t[(k + 1) % 3])), flat(p)) == CGAL::NEGATIVE) {
+        return false;
+      }
+    }
+    return true;
+  }
+  bool Contains(const io::IndexedMesh::Tetrahedron& t, const Kernel::Point_3& p) const {
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<Kernel::Point_3, 4> corners = {At(t[0]), At(t[1]), At(t[2]), At(t[3])};
+      corners[k] = p;
+      if (CGAL::orientation(corners[0], corners[1], corners[2], corners[3]) == CGAL::NEGATIVE) {
+        return false;
+      }
+    }
+    return true;
   }
 
   void CheckJoints() {

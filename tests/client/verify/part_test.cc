@@ -1,5 +1,6 @@
 // Meshes that do not fill a box: parts, and those of other meshers.
 #include <algorithm>
+#include <array>
 #include <random>
 #include <set>
 #include <string>
@@ -183,6 +184,59 @@ TEST(VerifyPart, OfTheInputThePointsAreChecked) {
   EXPECT_TRUE(failed.contains("input"));
 }
 
+// The middle of a simplex, as an input point of a new id.
+template <class Simplex>
+Feature MiddleOf(const io::IndexedMesh& mesh, const Simplex& simplex) {
+  std::array<double, 3> middle = {0, 0, 0};
+  for (const std::uint32_t v : simplex) {
+    for (std::size_t k = 0; k < 3; ++k) middle[k] += mesh.vertices[v].position()[k];
+  }
+  for (double& c : middle) c /= static_cast<double>(simplex.size());
+  return Feature::Point(99'999, middle[0], middle[1], middle[2]);
+}
+
+TEST(VerifyPart, AnInputPointInThePartThatIsNoVertexIsMissed) {
+  const std::uint64_t seed = NewSeed();
+  std::mt19937_64 random(seed);
+  int in = 0, beside = 0;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    SCOPED_TRACE(std::to_string(seed) + " " + std::to_string(i));
+    io::IndexedMesh whole;
+    std::vector<Feature> features;
+    if (i % 2 == 1) {
+      const GoodFiles good = MakeGoodFiles(seed + i, 30);
+      whole = good.files.mesh, features = good.features;
+    } else {
+      const auto good = testing::MakePolygonMesh(seed + i, 60);
+      whole = good.files.mesh, features = good.features;
+    }
+    const io::MeshFiles part = SomeOf(whole, random, 50);
+    features.emplace_back();
+    io::ForEachSimplex(part.mesh, [&](const auto& simplex) {
+      if (random() % 8 != 0) return;
+      features.back() = MiddleOf(part.mesh, simplex);
+      const VerifyCheck check = InputCheckOf(part, features);
+      ASSERT_EQ(check.failures, 1U);
+      EXPECT_EQ(check.examples[0], "point 99999 of the input is in the part, and no vertex");
+      ++in;
+    });
+    // In the whole mesh, but not in the part.
+    std::set<std::array<double, 3>> middles;
+    io::ForEachSimplex(part.mesh, [&](const auto& simplex) {
+      middles.insert(MiddleOf(part.mesh, simplex).position);
+    });
+    io::ForEachSimplex(whole, [&](const auto& simplex) {
+      if (random() % 8 != 0) return;
+      features.back() = MiddleOf(whole, simplex);
+      if (middles.contains(features.back().position)) return;
+      EXPECT_EQ(InputCheckOf(part, features).failures, 0U);
+      ++beside;
+    });
+  }
+  EXPECT_GT(in, 40);
+  EXPECT_GT(beside, 40);
+}
+
 // Wherever the part ends: its edges of the input are good, and one without its marker is missed.
 TEST(VerifyPart, OfTheInputTheEdgesInThePartAreChecked) {
   const std::uint64_t seed = NewSeed();
@@ -245,9 +299,9 @@ TEST(VerifyPart, SegmentsOutsideOfThePartAreNotMissed) {
   // Into a triangle, and along an edge.
   std::vector<Feature> into = features;
   into[8].position = {3, 1, 0};
-  EXPECT_EQ(InputCheckOf(part, into).failures, 1U);
+  EXPECT_EQ(InputCheckOf(part, into).failures, 2U);  // its end is no vertex of the mesh, too
   into[8].position = {2, 2, 0};
-  EXPECT_EQ(InputCheckOf(part, into).failures, 0U);  // its end is no vertex of the mesh
+  EXPECT_EQ(InputCheckOf(part, into).failures, 1U);  // its end only
   into[8].position = {5, 5, 0};
   EXPECT_EQ(InputCheckOf(part, into).failures, 1U);
 }
