@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "core/geometry/angles.h"
+#include "core/geometry/circumball.h"
 #include "core/plc/size_rules.h"
 
 namespace dynmesh::plc {
 namespace {
 
+using geometry::Cross;
 using geometry::Difference;
 using geometry::Dot;
 using geometry::Point;
