@@ -21,17 +21,6 @@ namespace {
 
 using text::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using PositionBits = std::array<std::uint64_t, 3>;
-
-// In 2D z is 0, whatever the file has.
-PositionBits PositionOf(const std::array<double, 3>& p, int dimension) {
-  PositionBits position = {};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
-    position[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
-  }
-  return position;
-}
-
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
 class InputCheck {
@@ -42,7 +31,7 @@ class InputCheck {
         chains_(chains),
         tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-      vertex_at_.emplace(PositionOf(mesh.vertices[v].position(), mesh.dimension), v);
+      vertex_at_.emplace(PositionKeyOf(mesh.vertices[v].position(), mesh.dimension), v);
     }
     for (const auto& e : mesh.edges) {
       if (e.owner != kNoFeature && e.owner != kBoxFeature) edges_of_[e.owner].push_back(e);
@@ -64,7 +53,7 @@ class InputCheck {
 
  private:
   std::optional<std::uint32_t> VertexOf(const Feature& point) const {
-    const auto it = vertex_at_.find(PositionOf(point.position, mesh_.dimension));
+    const auto it = vertex_at_.find(PositionKeyOf(point.position, mesh_.dimension));
     if (it == vertex_at_.end()) return std::nullopt;
     return it->second;
   }
@@ -216,7 +205,7 @@ class InputCheck {
   const std::vector<Feature>& features_;
   Chains* const chains_;
   const double tolerance_;
-  absl::flat_hash_map<PositionBits, std::uint32_t> vertex_at_;
+  absl::flat_hash_map<PositionKey, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
   std::map<FeatureId, std::vector<Joint>> wanted_;  // by owner
   absl::flat_hash_map<FeatureId, const Feature*> points_;
@@ -246,6 +235,14 @@ std::vector<Joint> JointsOf(const std::vector<Feature>& features) {
     }
   }
   return joints;
+}
+
+PositionKey PositionKeyOf(const std::array<double, 3>& p, int dimension) {
+  PositionKey key = {};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
+    key[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
+  }
+  return key;
 }
 
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,

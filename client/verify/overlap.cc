@@ -9,9 +9,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "client/verify/box_grid.h"
+#include "client/verify/containment.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -34,15 +34,6 @@ int Sign(const io::IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uin
 int Sign(const io::IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c,
          std::uint32_t d) {
   return CGAL::orientation(P3(mesh, a), P3(mesh, b), P3(mesh, c), P3(mesh, d));
-}
-
-bool Contains(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 3>& t, std::uint32_t v) {
-  return Sign(mesh, t[0], t[1], v) >= 0 && Sign(mesh, t[1], t[2], v) >= 0 &&
-         Sign(mesh, t[2], t[0], v) >= 0;
-}
-bool Contains(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 4>& t, std::uint32_t v) {
-  return Sign(mesh, v, t[1], t[2], t[3]) >= 0 && Sign(mesh, t[0], v, t[2], t[3]) >= 0 &&
-         Sign(mesh, t[0], t[1], v, t[3]) >= 0 && Sign(mesh, t[0], t[1], t[2], v) >= 0;
 }
 
 // Do the insides of edges p-q and a-b cross in one point?
@@ -87,7 +78,7 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
       for (std::size_t k = 0; k + 1 < N; ++k) {
         if (p[k] < lo[k] || p[k] > hi[k]) return;
       }
-      if (std::ranges::count(simplices[i], v) != 0 || !Contains(mesh, simplices[i], v)) return;
+      if (std::ranges::count(simplices[i], v) != 0 || !Contains(mesh, simplices[i], p)) return;
       findings.Add(
           Concat(VertexName(v), " lies in ", N == 3 ? TriangleName(i) : TetrahedronName(i)));
     });

@@ -17,6 +17,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "client/verify/box_grid.h"
+#include "client/verify/containment.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
@@ -71,61 +72,38 @@ class PartInputCheck {
 
   // An input point that lies in a simplex is one of its corners.
   void FindMissingPoints() {
-    absl::flat_hash_set<GridPoint> there;
-    for (const auto& vertex : mesh_.vertices) there.insert(Placed(vertex.position()));
+    absl::flat_hash_set<PositionKey> there;
+    for (const auto& vertex : mesh_.vertices) {
+      there.insert(PositionKeyOf(vertex.position(), mesh_.dimension));
+    }
     std::vector<const Feature*> elsewhere;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint && !there.contains(Placed(f.position))) {
+      if (f.kind == FeatureKind::kPoint &&
+          !there.contains(PositionKeyOf(f.position, mesh_.dimension))) {
         elsewhere.push_back(&f);
       }
     }
     if (elsewhere.empty()) return;
     BoxGrid points(mesh_, elsewhere.size());
     for (std::uint32_t i = 0; i < elsewhere.size(); ++i) {
-      const GridPoint at = Placed(elsewhere[i]->position);
-      points.Add(i, at, at);
+      points.Add(i, elsewhere[i]->position, elsewhere[i]->position);
     }
     std::set<std::uint32_t> missing;
     ForEachSimplex(mesh_, [&](const auto& simplex) {
-      const auto [lo, hi] = BoxOf(mesh_, simplex);
-      points.ForEach(lo, hi, [&, &lo = lo, &hi = hi](std::uint32_t i) {
-        const GridPoint p = Placed(elsewhere[i]->position);
-        for (std::size_t k = 0; k < 3; ++k) {
+      const auto box = BoxOf(mesh_, simplex);
+      const auto &lo = box.first, &hi = box.second;
+      points.ForEach(lo, hi, [&](std::uint32_t i) {
+        const GridPoint& p = elsewhere[i]->position;
+        for (std::size_t k = 0; k + 1 < simplex.size(); ++k) {
           if (p[k] < lo[k] || p[k] > hi[k]) return;
         }
-        if (Contains(simplex, {p[0], p[1], p[2]})) missing.insert(i);
+        if (Contains(mesh_, simplex, p)) missing.insert(i);
       });
     });
     for (const std::uint32_t i : missing) {
       findings_.Add(
           Concat("point ", elsewhere[i]->id, " of the input is in the part, and no vertex"));
     }
-  }
-
-  // Equal for equal places: without a third coordinate in 2D, and zero has no sign.
-  GridPoint Placed(const std::array<double, 3>& p) const {
-    return {p[0] + 0.0, p[1] + 0.0, mesh_.dimension == 3 ? p[2] + 0.0 : 0.0};
-  }
-
-  // Inside or on the border. No place is in a simplex that is not positive.
-  bool Contains(const io::IndexedMesh::Triangle& t, const Kernel::Point_3& p) const {
-    const auto flat = [](const Kernel::Point_3& q) { return Kernel::Point_2(q.x(), q.y()); };
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (CGAL::orientation(flat(At(t[k])), flat(At(t[(k + 1) % 3])), flat(p)) == CGAL::NEGATIVE) {
-        return false;
-      }
-    }
-    return true;
-  }
-  bool Contains(const io::IndexedMesh::Tetrahedron& t, const Kernel::Point_3& p) const {
-    for (std::size_t k = 0; k < 4; ++k) {
-      std::array<Kernel::Point_3, 4> corners = {At(t[0]), At(t[1]), At(t[2]), At(t[3])};
-      corners[k] = p;
-      if (CGAL::orientation(corners[0], corners[1], corners[2], corners[3]) == CGAL::NEGATIVE) {
-        return false;
-      }
-    }
-    return true;
   }
 
   void CheckJoints() {
@@ -318,7 +296,6 @@ class PartInputCheck {
   absl::flat_hash_map<FeatureId, std::uint32_t> vertex_of_;  // points of the part
   absl::flat_hash_map<std::pair<FeatureId, std::uint32_t>, std::vector<Arm>> arms_;
   std::vector<bool> used_;                              // by edge: it is on a joint
-  bool reached_ = false;                                // the last walk: the other end
   std::vector<std::uint32_t> first_at_, simplices_at_;  // simplices by vertex
   std::set<std::pair<std::uint32_t, std::uint32_t>> marked_;
   Findings findings_{"input"};

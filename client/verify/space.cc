@@ -21,7 +21,7 @@ struct Bounds {
   std::array<double, 3> lo, hi;
 };
 
-Bounds BoxOf(const io::IndexedMesh& mesh) {
+Bounds BoundsOf(const io::IndexedMesh& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const auto& v : mesh.vertices) {
@@ -137,7 +137,7 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Face>& 
 
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces) {
   Findings findings("box");
-  const Bounds bounds = BoxOf(mesh);
+  const Bounds bounds = BoundsOf(mesh);
   std::uint64_t border = 0;
   ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
     if (count != 1) return;

@@ -103,6 +103,10 @@ struct Joint {
 // All joints. The owner of one is its segment, else the first of its polygons. O(n lg n).
 std::vector<Joint> JointsOf(const std::vector<Feature>& features);
 
+// Equal for equal places: zero has no sign, and in 2D z is 0, whatever the file has.
+using PositionKey = std::array<std::uint64_t, 3>;
+PositionKey PositionKeyOf(const std::array<double, 3>& p, int dimension);
+
 // For both dimensions.
 VerifyCheck CheckVertices(const io::IndexedMesh& mesh);
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh);
