@@ -31,7 +31,7 @@ constexpr std::uint64_t kReserve = 67;
 // Until the next try when there is no descriptor for a connection.
 constexpr absl::Duration kRetry = absl::Milliseconds(50);
 // At the connections that wait. A look costs a system call for each.
-constexpr std::chrono::milliseconds kBetweenTurns{10};
+constexpr std::chrono::milliseconds kBetweenLooks{10};
 // Least time between two sweeps while there is no room.
 constexpr absl::Duration kSweepEvery = absl::Milliseconds(50);
 
@@ -136,7 +136,7 @@ void Acceptor::Run() {
   Clock::time_point next_look;
   while (!stopping_) {
     poll(waits.data(), waits.size(),
-         table_.HasWaiting() ? static_cast<int>(kBetweenTurns.count()) : -1);
+         table_.HasWaiting() ? static_cast<int>(kBetweenLooks.count()) : -1);
     if (waits[0].revents != 0) {
       std::uint64_t ignored = 0;
       (void)!read(wake_, &ignored, sizeof(ignored));
@@ -148,7 +148,7 @@ void Acceptor::Run() {
     const ConnectionTable::Ready ready = table_.TakeReady(Clock::now(), &LookAt);
     for (const int socket : ready.close) close(socket);
     for (const ConnectionTable::Waiting& connection : ready.enter) LetIn(connection);
-    next_look = Clock::now() + kBetweenTurns;
+    next_look = Clock::now() + kBetweenLooks;
   }
 }
 

@@ -22,10 +22,10 @@ constexpr double kMost = 2147483647;  // references have 32 bits
 
 // A section of rows with owners or markers, and their references: those of owners unless the labels
 // replace them by `markers`. `corners(i)` returns the corners of row i.
-template <class Rows, class FaceCorners>
+template <class Rows, class Corners>
 void WriteOwned(const char* name, const Rows& rows, const References& references,
-                const RowLabels& labels, const std::vector<std::int64_t>& markers,
-                FaceCorners corners, FileWriter& out) {
+                const RowLabels& labels, const std::vector<std::int64_t>& markers, Corners corners,
+                FileWriter& out) {
   const auto reference_of = [&](std::size_t i) -> std::int64_t {
     return labels.replace_ids ? markers[i] : references.Find(rows[i].owner);
   };
