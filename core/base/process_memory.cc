@@ -23,6 +23,9 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 // A heap up to this size has ordinary pages: a small mesh costs what it did.
 constexpr std::size_t kSmallHeap = 8 * kMiB;
 
+// No larger block is ever allocated in the heap: the most that glibc takes as its threshold.
+constexpr std::size_t kMostInHeap = 32 * kMiB;
+
 // No heap reaches from here on: growth is not noticed.
 constexpr std::uintptr_t kNowhere = ~std::uintptr_t{0} >> 1;
 
@@ -50,9 +53,13 @@ void NoticeHeap(std::uintptr_t end_of_block) {
   if (end_of_block > end) return;  // not of the heap
   RequestHugePages(huge_begin, end);
   known_end.store(end, std::memory_order_relaxed);
+  // Blocks that are small beside the heap come from it, too: freed, they are used again without a
+  // fault. What the heap keeps unused by them is at most a part of it.
+  const std::uintptr_t heap = end - huge_begin;
+  mallopt(M_MMAP_THRESHOLD, static_cast<int>(std::clamp(heap / 8, 2 * kMiB, kMostInHeap)));
   // Large steps, since of each the first and the last huge page remain ordinary ones: malloc writes
   // beyond the former end before it is noticed. Not too large: the process may have a limit.
-  mallopt(M_TOP_PAD, static_cast<int>(std::clamp((end - huge_begin) / 4, 16 * kMiB, 64 * kMiB)));
+  mallopt(M_TOP_PAD, static_cast<int>(std::clamp(heap / 4, 16 * kMiB, 64 * kMiB)));
 }
 
 // Null if there is no memory.

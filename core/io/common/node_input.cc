@@ -25,6 +25,8 @@ void AddPoints(const NodeSection& nodes, const std::string& file, FileFeatures& 
   input.labels.attributes = nodes.attributes;
   input.labels.values = nodes.values;
   AddMarkers(nodes.markers, 1, input.labels);
+  input.features.reserve(nodes.positions.size());
+  input.lines.reserve(nodes.positions.size());
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const auto& [x, y, z] = nodes.positions[i];
     input.features.push_back(Feature::Point(i + 1, x, y, z));

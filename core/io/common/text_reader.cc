@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -53,6 +54,11 @@ absl::StatusOr<std::string> ReadWholeFile(const std::string& path) {
   std::FILE* const file = std::fopen(path.c_str(), "rb");
   if (file == nullptr) return SystemError(errno, path, "open");
   std::string text;
+  // Only a hint: a pipe has no size, and that of a sparse file may be more than there is memory.
+  constexpr std::uintmax_t kMostAhead = std::uintmax_t{1} << 30;
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (!unknown) text.reserve(std::min(size, kMostAhead));
   std::vector<char> buffer(std::size_t{1} << 18);
   std::size_t got = 0;
   while ((got = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) {

@@ -96,6 +96,18 @@ TEST_F(ProcessMemory, WhatACommandFreedItUsesAgain) {
             2U);
 }
 
+TEST_F(ProcessMemory, SmallPartsOfALargeHeapAreUsedAgain) {
+  EXPECT_LT(InChild(MemoryUse::kCommand,
+                    [] {
+                      const auto kept = Blocks(64 * kMiB, 1000);
+                      Blocks(64 * kMiB, 4 * kMiB);
+                      const std::size_t before = Faults();
+                      Blocks(64 * kMiB, 4 * kMiB);
+                      return Faults() - before;
+                    }),
+            8U);
+}
+
 TEST_F(ProcessMemory, LargeBlocksHaveHugePages) {
   for (const MemoryUse use : {MemoryUse::kCommand, MemoryUse::kServer}) {
     EXPECT_LT(
