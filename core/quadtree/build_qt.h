@@ -29,6 +29,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "core/quadtree/cell.h"
 #include "core/quadtree/cell_tree.h"
 #include "core/quadtree/feature_tree.h"
@@ -81,13 +82,7 @@ class BuildQt {
 
   // Runs what is due. `interrupt()` is called before each operation; if it returns true, Propagate
   // returns false, and another call, possibly after further changes, continues.
-  template <class Interrupt>
-  bool Propagate(Interrupt interrupt) {
-    NotifyOfInput();
-    if (!engine_.Propagate(interrupt)) return false;
-    Collect();
-    return true;
-  }
+  bool Propagate(absl::FunctionRef<bool()> interrupt);
   bool Propagate() { return Propagate(sac::NoInterrupt()); }
 
   // --- Results --------------------------------------------------------------------------------
@@ -169,8 +164,6 @@ extern template class BuildQt<2, sac::Engine>;
 extern template class BuildQt<2, sac::UntracedEngine>;
 extern template class BuildQt<3, sac::Engine>;
 extern template class BuildQt<3, sac::UntracedEngine>;
-extern template class BuildQt<4, sac::Engine>;
-extern template class BuildQt<4, sac::UntracedEngine>;
 
 }  // namespace dynmesh::quadtree
 

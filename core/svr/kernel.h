@@ -1,4 +1,4 @@
-// What SVR sees of the exact Delaunay kernels, alike in 2D, 3D and 4D.
+// What SVR sees of the exact Delaunay kernels, alike in 2D and 3D. Tests add one for 4D.
 #ifndef DYNMESH_CORE_SVR_KERNEL_H_
 #define DYNMESH_CORE_SVR_KERNEL_H_
 
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/base/large_vector.h"
-#include "core/delaunay/bowyer_watson.h"
 #include "core/delaunay/number_table.h"
 #include "core/delaunay/triangulation_of.h"
 #include "core/geometry/circumball.h"
@@ -40,9 +39,7 @@ template <int D>
 using Positions = LargeVector<geometry::Point<D>>;
 
 template <int D>
-struct KernelOf {
-  using Type = delaunay::BowyerWatson<D>;
-};
+struct KernelOf;
 template <>
 struct KernelOf<2> {
   using Type = delaunay::TriangulationOf<2>;
@@ -75,12 +72,6 @@ inline Ball<3> BallOf(const Kernel<3>& mesh, SimplexIndex s) {
   const auto ball =
       geometry::CircumballOf(p, mesh.position(v[1]), mesh.position(v[2]), mesh.position(v[3]));
   return {{{p[0] + ball.w[0], p[1] + ball.w[1], p[2] + ball.w[2]}}, ball.r2};
-}
-
-template <int D>
-Ball<D> BallOf(const delaunay::BowyerWatson<D>& mesh, SimplexIndex s) {
-  const auto ball = mesh.BallOf(s);
-  return {ball.centre, ball.r2};
 }
 
 template <int D>

@@ -11,7 +11,7 @@
 #include "core/meshing/border.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/splits.h"
-#include "core/svr/point_input.h"
+#include "core/svr/hilbert_order.h"
 
 namespace dynmesh::svr {
 

@@ -35,12 +35,9 @@
 #include <vector>
 
 #include "core/geometry/point.h"
-#include "core/svr/ball_location.h"
 #include "core/svr/kernel.h"
 #include "core/svr/options.h"
 #include "core/svr/plc_input.h"
-#include "core/svr/point_input.h"
-#include "core/svr/simplex_location.h"
 #include "core/svr/voronoi_location.h"
 #include "core/svr/waiting_tree.h"
 
@@ -54,11 +51,11 @@ struct Counts {
   std::uint64_t guarded = 0;   // simplices left because a subsegment is too short to be split
 };
 
-// `Input` says what is to be inserted, and what is respected: PointInput or PlcInput. It names the
-// vertices: first those of the border, then the points of the input, then all others.
-// `Location` keeps the uninserted points: VoronoiLocation, SimplexLocation or BallLocation. It
-// chooses among points, so meshes differ by it.
-template <int D, class Input = PointInput<D>, class Location = VoronoiLocation<D, true>>
+// `Input` says what is to be inserted, and what is respected: PlcInput. It names the vertices:
+// first those of the border, then the points of the input, then all others. `Location` keeps the
+// uninserted points: VoronoiLocation. It chooses among points, so meshes differ by it. Others of
+// both, and 4D, are variants of the experiments (tests/core/svr/variants).
+template <int D, class Input, class Location = VoronoiLocation<D, true>>
 class Svr {
  public:
   using Point = geometry::Point<D>;
@@ -149,17 +146,6 @@ class Svr {
   Counts counts_;
 };
 
-extern template class Svr<2, PointInput<2>>;
-extern template class Svr<2, PointInput<2>, VoronoiLocation<2, false>>;
-extern template class Svr<2, PointInput<2>, SimplexLocation<2>>;
-extern template class Svr<2, PointInput<2>, BallLocation<2>>;
-extern template class Svr<3, PointInput<3>>;
-extern template class Svr<3, PointInput<3>, VoronoiLocation<3, false>>;
-extern template class Svr<3, PointInput<3>, SimplexLocation<3>>;
-extern template class Svr<3, PointInput<3>, BallLocation<3>>;
-extern template class Svr<4, PointInput<4>>;
-extern template class Svr<4, PointInput<4>, SimplexLocation<4>>;
-extern template class Svr<4, PointInput<4>, BallLocation<4>>;
 extern template class Svr<2, PlcInput<2>>;
 extern template class Svr<3, PlcInput<3>>;
 

@@ -1,6 +1,4 @@
 // BuildQT: the tree of its definition, the same after any edits, at a price that does not grow.
-#include "core/quadtree/build_qt.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/quadtree/build_qt_procedures.h"
 #include "tests/core/quadtree/naive_quadtree.h"
 #include "tests/core/quadtree/quadtree_scene.h"
 

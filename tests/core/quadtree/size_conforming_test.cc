@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/geometry/segment_distance.h"
-#include "core/quadtree/build_qt.h"
+#include "core/quadtree/build_qt_procedures.h"
 #include "tests/core/quadtree/quadtree_scene.h"
 #include "tests/support/point_layouts.h"
 

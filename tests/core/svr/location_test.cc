@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/ball_predicates.h"
-#include "core/svr/ball_location.h"
-#include "core/svr/simplex_location.h"
 #include "core/svr/voronoi_location.h"
 #include "tests/core/svr/svr_of_points.h"
+#include "tests/core/svr/variants/ball_location.h"
+#include "tests/core/svr/variants/ball_predicates.h"
+#include "tests/core/svr/variants/simplex_location.h"
 #include "tests/support/point_layouts.h"
 
 namespace dynmesh::svr::location_test {

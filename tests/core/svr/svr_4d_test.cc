@@ -94,7 +94,7 @@ void ExpectGoodMesh(test::Layout layout, int n, int every, int border_cells = 4)
   // Also of those with a circumcenter outside of the domain.
   double worst = 0;
   of.mesh.ForEachSimplex([&](SimplexIndex s) {
-    worst = std::max(worst, svr::BallOf(of.mesh, s).r2 / SquaredShortestEdge<4>(of.mesh, s));
+    worst = std::max(worst, delaunay::BallOf(of.mesh, s).r2 / SquaredShortestEdge<4>(of.mesh, s));
   });
   EXPECT_LE(std::sqrt(worst), kQuality * (1 + 1e-5));
   std::string why;

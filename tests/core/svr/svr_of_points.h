@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/svr/svr.h"
+#include "tests/core/svr/variants/variants.h"
 
 namespace dynmesh::svr {
 

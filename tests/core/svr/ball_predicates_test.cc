@@ -1,5 +1,5 @@
 // Predicates of any dimension, against those of 2D and 3D and against exact rationals.
-#include "core/geometry/ball_predicates.h"
+#include "tests/core/svr/variants/ball_predicates.h"
 
 #include <gmpxx.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "core/geometry/space_predicates.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::ball_predicates_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 24;
@@ -119,4 +119,4 @@ TEST(BallPredicates, AreExactIn4D) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::ball_predicates_test

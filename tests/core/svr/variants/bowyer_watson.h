@@ -2,13 +2,13 @@
 // slow but right. In 2D and 3D DelaunayTriangulation and DelaunayTetrahedralization do the same
 // much faster; this has the part of their interface that SVR uses.
 //
-// Exact, and unique, because ties are broken by coordinates (geometry/ball_predicates.h): a
+// Exact, and unique, because ties are broken by coordinates (ball_predicates.h): a
 // function of the point set, without flat simplices. The first points are the 2^D corners of a box
 // that holds all others in its closed inside. Beyond the hull there is one symbolic vertex,
 // kInfinite. Thread-compatible. Insert: O(simplices that come and go), each with an O(D!)
 // predicate.
-#ifndef DYNMESH_CORE_DELAUNAY_BOWYER_WATSON_H_
-#define DYNMESH_CORE_DELAUNAY_BOWYER_WATSON_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_BOWYER_WATSON_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_BOWYER_WATSON_H_
 
 #include <algorithm>
 #include <array>
@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "core/geometry/ball_predicates.h"
+#include "tests/core/svr/variants/ball_predicates.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::delaunay {
@@ -376,4 +376,4 @@ class BowyerWatson {
 
 }  // namespace dynmesh::delaunay
 
-#endif  // DYNMESH_CORE_DELAUNAY_BOWYER_WATSON_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_BOWYER_WATSON_H_

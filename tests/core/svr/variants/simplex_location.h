@@ -5,8 +5,8 @@
 // in the one that a walk comes to first. A new vertex moves the points of the simplices that it
 // removes into those around it. A query looks at the simplices that the ball may meet.
 // Thread-compatible.
-#ifndef DYNMESH_CORE_SVR_SIMPLEX_LOCATION_H_
-#define DYNMESH_CORE_SVR_SIMPLEX_LOCATION_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LOCATION_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LOCATION_H_
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 #include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/svr/kernel.h"
-#include "core/svr/simplex_lists.h"
+#include "tests/core/svr/variants/simplex_lists.h"
 
 namespace dynmesh::svr {
 
@@ -181,4 +181,4 @@ void SimplexLocation<D>::Inserted(VertexIndex v, bool was_waiting) {
 
 }  // namespace dynmesh::svr
 
-#endif  // DYNMESH_CORE_SVR_SIMPLEX_LOCATION_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LOCATION_H_

@@ -3,8 +3,8 @@
 // thread-safe.
 //
 // Coordinates are 0 or of magnitude 2^-250 to 2^250.
-#ifndef DYNMESH_CORE_GEOMETRY_BALL_PREDICATES_H_
-#define DYNMESH_CORE_GEOMETRY_BALL_PREDICATES_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_PREDICATES_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_PREDICATES_H_
 
 #include <algorithm>
 #include <array>
@@ -186,4 +186,4 @@ bool InBall(const std::array<const Point<D>*, D + 1>& p, const Point<D>& e) {
 
 }  // namespace dynmesh::geometry
 
-#endif  // DYNMESH_CORE_GEOMETRY_BALL_PREDICATES_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_PREDICATES_H_

@@ -1,6 +1,6 @@
 // The Delaunay triangulation of any dimension: that of the fast kernels in 2D and 3D, Delaunay in
 // 4D.
-#include "core/delaunay/bowyer_watson.h"
+#include "tests/core/svr/variants/bowyer_watson.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 
 #include "core/delaunay/triangulation_of.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::bowyer_watson_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
@@ -139,4 +139,4 @@ TEST(BowyerWatson, StarsAndBallsAreRight) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::bowyer_watson_test

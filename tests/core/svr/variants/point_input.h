@@ -1,21 +1,16 @@
 // Points as the input of SVR (svr.h), in any dimension.
-#ifndef DYNMESH_CORE_SVR_POINT_INPUT_H_
-#define DYNMESH_CORE_SVR_POINT_INPUT_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_POINT_INPUT_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_POINT_INPUT_H_
 
 #include <cstddef>
 #include <vector>
 
 #include "core/geometry/point.h"
-#include "core/svr/kernel.h"
+#include "core/svr/hilbert_order.h"
 #include "core/svr/options.h"
+#include "tests/core/svr/variants/kernel_4d.h"
 
 namespace dynmesh::svr {
-
-// The indices of `points` in the order of a Hilbert curve over the domain, then of coordinates. So
-// neighbours in the list are near each other, and the list is a function of the set.
-template <int D>
-std::vector<VertexIndex> HilbertOrder(const std::vector<geometry::Point<D>>& points,
-                                      const Options<D>& options);
 
 template <int D>
 class PointInput {
@@ -52,4 +47,4 @@ class PointInput {
 
 }  // namespace dynmesh::svr
 
-#endif  // DYNMESH_CORE_SVR_POINT_INPUT_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_POINT_INPUT_H_

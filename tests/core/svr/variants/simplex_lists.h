@@ -3,15 +3,15 @@
 // A vertex is crowded if a simplex around it has points. Lists change only when an insertion
 // removes their simplices, and kernels use the indices of removed simplices again: so lists are
 // taken out before the insertion. Thread-compatible. Memory is 8 bytes per entry of a list.
-#ifndef DYNMESH_CORE_SVR_SIMPLEX_LISTS_H_
-#define DYNMESH_CORE_SVR_SIMPLEX_LISTS_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LISTS_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LISTS_H_
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/ball_predicates.h"
+#include "tests/core/svr/variants/ball_predicates.h"
 #include "core/geometry/point.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
@@ -174,4 +174,4 @@ class SimplexLists {
 
 }  // namespace dynmesh::svr
 
-#endif  // DYNMESH_CORE_SVR_SIMPLEX_LISTS_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_SIMPLEX_LISTS_H_

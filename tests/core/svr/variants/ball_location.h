@@ -3,15 +3,15 @@
 //
 // By the kernel's exact conflicts: a point is in the lists of all finite simplices that its
 // insertion would remove. A query looks at one list. Thread-compatible.
-#ifndef DYNMESH_CORE_SVR_BALL_LOCATION_H_
-#define DYNMESH_CORE_SVR_BALL_LOCATION_H_
+#ifndef DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_LOCATION_H_
+#define DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_LOCATION_H_
 
 #include <cstdint>
 #include <vector>
 
 #include "core/geometry/point.h"
 #include "core/svr/kernel.h"
-#include "core/svr/simplex_lists.h"
+#include "tests/core/svr/variants/simplex_lists.h"
 
 namespace dynmesh::svr {
 
@@ -149,4 +149,4 @@ void BallLocation<D>::Fill(SimplexIndex s, VertexIndex v, std::uint32_t inner,
 
 }  // namespace dynmesh::svr
 
-#endif  // DYNMESH_CORE_SVR_BALL_LOCATION_H_
+#endif  // DYNMESH_TESTS_CORE_SVR_VARIANTS_BALL_LOCATION_H_

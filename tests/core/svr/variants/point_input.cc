@@ -1,15 +1,10 @@
-#include "core/svr/point_input.h"
+#include "tests/core/svr/variants/point_input.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdint>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "core/geometry/border_grid.h"
-#include "core/geometry/hilbert_curve.h"
 
 namespace dynmesh::svr {
 namespace {
@@ -57,30 +52,6 @@ std::vector<Point3> BorderOf(const Options<3>& options) {
 }  // namespace
 
 template <int D>
-std::vector<VertexIndex> HilbertOrder(const std::vector<Point<D>>& points,
-                                      const Options<D>& options) {
-  constexpr int kLevels = 32 / D;
-  const double scale = std::ldexp(1.0, kLevels) / (options.hi[0] - options.lo[0]);
-  std::vector<std::tuple<std::uint32_t, Point<D>, VertexIndex>> keyed;
-  keyed.reserve(points.size());
-  for (const Point<D>& p : points) {
-    std::array<std::uint32_t, D> cell;
-    for (int k = 0; k < D; ++k) {
-      const double x =
-          std::clamp((p[k] - options.lo[k]) * scale, 0.0, std::ldexp(1.0, kLevels) - 1);
-      cell[k] = static_cast<std::uint32_t>(x);
-    }
-    keyed.emplace_back(geometry::HilbertCurve<D>::Key(cell, kLevels), p,
-                       static_cast<VertexIndex>(keyed.size()));
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<VertexIndex> order;
-  order.reserve(points.size());
-  for (const auto& [key, p, i] : keyed) order.push_back(i);
-  return order;
-}
-
-template <int D>
 PointInput<D>::PointInput(const Options<D>& options, std::vector<Point> points)
     : positions_(BorderOf(options)), border_count_(positions_.size()) {
   for (const VertexIndex i : HilbertOrder(points, options)) positions_.push_back(points[i]);
@@ -94,9 +65,6 @@ std::vector<VertexIndex> PointInput<D>::Waiting() const {
   return all;
 }
 
-template std::vector<VertexIndex> HilbertOrder(const std::vector<Point2>&, const Options<2>&);
-template std::vector<VertexIndex> HilbertOrder(const std::vector<Point3>&, const Options<3>&);
-template std::vector<VertexIndex> HilbertOrder(const std::vector<Point<4>>&, const Options<4>&);
 template class PointInput<2>;
 template class PointInput<3>;
 template class PointInput<4>;
