@@ -8,6 +8,7 @@
 
 #include "core/dynamic_mesh/batch_run.h"
 #include "core/dynamic_mesh/limits.h"
+#include "core/dynamic_mesh/meshed_features.h"
 #include "core/dynamic_mesh/rebuild_choice.h"
 #include "core/dynamic_mesh/transaction.h"
 #include "core/plc/messages.h"
@@ -15,21 +16,28 @@
 namespace dynmesh {
 
 template <int D>
+LiveMesh<D>::LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning)
+    : mesh_(std::make_unique<MeshedFeatures<D>>(options, tuning)) {}
+
+template <int D>
 LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
     : LiveMesh(Unbegun(), options, tuning) {
-  mesh_.Begin(Never);
+  mesh_->Begin(Never);
 }
+
+template <int D>
+LiveMesh<D>::~LiveMesh() = default;
 
 template <int D>
 absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions& options,
                                                                const ApplyOptions& apply) {
   if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
   std::unique_ptr<LiveMesh> mesh(new LiveMesh(Unbegun(), options, {}));
-  const auto& refinement = mesh->mesh_.state->refinement;
+  const auto& refinement = mesh->mesh_->state->refinement;
   const sac::Counters& counters = refinement.engine().counters();
   const std::uint64_t most = MostOperations(apply.max_operations);
   const Interrupt interrupt = InterruptOf(apply.interrupted);
-  const bool begun = mesh->mesh_.Begin([&] {
+  const bool begun = mesh->mesh_->Begin([&] {
     return interrupt() || counters.executed > most ||
            IsOverLimits(refinement, options.limits.max_vertices);
   });
@@ -40,19 +48,28 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
 }
 
 template <int D>
+plc::Plc<D>& LiveMesh<D>::plc() {
+  return mesh_->plc;
+}
+template <int D>
+const plc::Plc<D>& LiveMesh<D>::plc() const {
+  return mesh_->plc;
+}
+
+template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Run(const plc::Delta<D>& delta,
                                           const typename LiveFeatures<D>::Batch& batch,
                                           Commit commit) {
-  const Plan plan = PlanFor(delta, mesh_.plc.size(), mesh_.state->refinement.vertex_count(),
-                            mesh_.options.box, mesh_.tuning.rebuild);
-  BatchRun<D> run{mesh_.options, mesh_.tuning, batch.meter, batch.interrupt, batch.most_operations};
-  return Transaction<D>(mesh_, delta, run, commit).Run(plan);
+  const Plan plan = PlanFor(delta, mesh_->plc.size(), mesh_->state->refinement.vertex_count(),
+                            mesh_->options.box, mesh_->tuning.rebuild);
+  BatchRun<D> run{mesh_->options, mesh_->tuning, batch.meter, batch.interrupt, batch.most_operations};
+  return Transaction<D>(*mesh_, delta, run, commit).Run(plan);
 }
 
 template <int D>
 void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
-  mesh_.Undo(delta);
-  if (!mesh_.state->diffs.RegionStatus().ok()) mesh_.BuildPresent();  // perhaps of past sets
+  mesh_->Undo(delta);
+  if (!mesh_->state->diffs.RegionStatus().ok()) mesh_->BuildPresent();  // perhaps of past sets
 }
 
 // Removed items leave free room for later ones. Once most of the memory is free room, rebuilds the
@@ -64,13 +81,13 @@ template <int D>
 void LiveMesh<D>::GiveMemoryBack(Interrupt interrupt) {
   constexpr std::size_t kSmall = 2048;
   constexpr double kPart = 0.25, kPartOfSmall = 0.67;
-  const std::size_t operations = mesh_.state->refinement.engine().operation_count();
+  const std::size_t operations = mesh_->state->refinement.engine().operation_count();
   const auto is_room = [&] {
-    return mesh_.state->refinement.engine().IsMostlyRoom(operations < kSmall ? kPartOfSmall
+    return mesh_->state->refinement.engine().IsMostlyRoom(operations < kSmall ? kPartOfSmall
                                                                              : kPart);
   };
   if (operations > give_back_at_ || !is_room()) return;
-  mesh_.ReplaceState(interrupt);
+  mesh_->ReplaceState(interrupt);
   give_back_at_ = is_room() ? operations / 2 : std::numeric_limits<std::size_t>::max();
 }
 

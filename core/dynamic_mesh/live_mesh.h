@@ -11,11 +11,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/dynamic_mesh/live_features.h"
-#include "core/dynamic_mesh/meshed_features.h"
+#include "core/dynamic_mesh/live_mesh_tuning.h"
 #include "core/plc/plc.h"
 #include "dynmesh/dynamic_mesh.h"
 
 namespace dynmesh {
+
+template <int D>
+struct MeshedFeatures;
 
 template <int D>
 class LiveMesh final : public LiveFeatures<D> {
@@ -23,6 +26,7 @@ class LiveMesh final : public LiveFeatures<D> {
   // REQUIRES: ValidateOptions(options) is OK, the dimension is D; the bare box is within the
   // limits.
   explicit LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning = {});
+  ~LiveMesh() override;
   // The same as a status. REQUIRES: as above, without the limits.
   static absl::StatusOr<std::unique_ptr<DynamicMesh>> Make(const MeshOptions& options,
                                                            const ApplyOptions& apply);
@@ -30,8 +34,8 @@ class LiveMesh final : public LiveFeatures<D> {
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
   std::vector<double> LeafSides(std::span<const double> /*points*/) const override { return {}; }
-  const MeshOptions& options() const override { return mesh_.options; }
-  MeshHash hash() const override { return mesh_.state->diffs.hash(); }
+  const MeshOptions& options() const override;
+  MeshHash hash() const override;
   MeshStats Stats() const override;
   AuditReport Audit() const override;
   // The first operation, in the order of time, in which the trace differs from that of `other`:
@@ -42,8 +46,8 @@ class LiveMesh final : public LiveFeatures<D> {
   std::string FirstUnreproduced() const;
 
  protected:
-  plc::Plc<D>& plc() override { return mesh_.plc; }
-  const plc::Plc<D>& plc() const override { return mesh_.plc; }
+  plc::Plc<D>& plc() override;
+  const plc::Plc<D>& plc() const override;
   absl::StatusOr<MeshDiff> Run(const plc::Delta<D>& delta,
                                const typename LiveFeatures<D>::Batch& batch,
                                Commit commit) override;
@@ -52,10 +56,10 @@ class LiveMesh final : public LiveFeatures<D> {
 
  private:
   struct Unbegun {};
-  LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning)
-      : mesh_(options, tuning) {}
+  LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning);
 
-  MeshedFeatures<D> mesh_;
+  // Behind a pointer: users of this header need not know the mesher.
+  const std::unique_ptr<MeshedFeatures<D>> mesh_;
   // Memory is freed when there are at most so many operations.
   std::size_t give_back_at_ = std::numeric_limits<std::size_t>::max();
 };

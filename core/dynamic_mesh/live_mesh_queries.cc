@@ -7,6 +7,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "core/dynamic_mesh/meshed_features.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
 #include "core/meshing/trace_audit.h"
@@ -49,8 +50,18 @@ std::array<VertexId, D + 1> FirstOfThoseAt(const DiffBuilder<D>& mesh, std::uint
 }  // namespace
 
 template <int D>
+const MeshOptions& LiveMesh<D>::options() const {
+  return mesh_->options;
+}
+
+template <int D>
+MeshHash LiveMesh<D>::hash() const {
+  return mesh_->state->diffs.hash();
+}
+
+template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
-  Mesh mesh = mesh_.state->diffs.Snapshot(mesh_.state->refinement, mesh_.state->features);
+  Mesh mesh = mesh_->state->diffs.Snapshot(mesh_->state->refinement, mesh_->state->features);
   mesh.revision = this->revision();
   mesh.labels = this->labels().All();
   return mesh;
@@ -60,8 +71,8 @@ template <int D>
 SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
   SimplexColumn result;
   result.reserve(points.size() / D * (D + 1));
-  const auto& triangulation = mesh_.state->diffs.triangulation();
-  const auto& rules = mesh_.state->refinement.complex().rules;
+  const auto& triangulation = mesh_->state->diffs.triangulation();
+  const auto& rules = mesh_->state->refinement.complex().rules;
   meshing::VertexIndex near = 0;
   for (; points.size() >= D; points = points.subspan(D)) {
     geometry::Point<D> p;
@@ -75,7 +86,7 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
       const auto t = triangulation.Locate(p, near);
       if (!triangulation.IsInfinite(t)) {
         near = triangulation.vertices(t)[0];
-        ids = FirstOfThoseAt<D>(mesh_.state->diffs, t, p);
+        ids = FirstOfThoseAt<D>(mesh_->state->diffs, t, p);
       }
     }
     result.insert(result.end(), ids.begin(), ids.end());
@@ -85,10 +96,10 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
 
 template <int D>
 MeshStats LiveMesh<D>::Stats() const {
-  const MeshState<D>& s = *mesh_.state;
+  const MeshState<D>& s = *mesh_->state;
   MeshStats stats;
   stats.revision = this->revision();
-  stats.features = mesh_.plc.size();
+  stats.features = mesh_->plc.size();
   stats.vertices = s.refinement.vertex_count();
   stats.simplices = s.diffs.triangulation().simplex_count();
   stats.subsegments = s.diffs.subsegment_count();
@@ -96,25 +107,25 @@ MeshStats LiveMesh<D>::Stats() const {
   stats.operations = s.refinement.engine().operation_count();
   stats.trace_bytes = s.refinement.trace_bytes();
   stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() +
-                     mesh_.plc.bytes() + this->labels().bytes();
+                     mesh_->plc.bytes() + this->labels().bytes();
   return stats;
 }
 
 template <int D>
 AuditReport LiveMesh<D>::Audit() const {
   AuditReport report;
-  const std::uint64_t trace = meshing::Audit(mesh_.state->refinement, &report.problems);
-  report.trace = {trace, mesh_.state->refinement.engine().operation_count()};
+  const std::uint64_t trace = meshing::Audit(mesh_->state->refinement, &report.problems);
+  report.trace = {trace, mesh_->state->refinement.engine().operation_count()};
   std::string why;
-  if (!mesh_.state->diffs.triangulation().Check(&why)) report.problems.emplace_back("mesh: " + why);
-  if (!mesh_.state->diffs.CheckLabels()) {
+  if (!mesh_->state->diffs.triangulation().Check(&why)) report.problems.emplace_back("mesh: " + why);
+  if (!mesh_->state->diffs.CheckLabels()) {
     report.problems.emplace_back("regions of neighbours do not agree with the edges between them");
   }
   const Mesh mesh = Snapshot();
   if (!(ComputeHash(mesh) == mesh.hash)) {
     report.problems.emplace_back("the hash kept is not that of the mesh");
   }
-  if (mesh.vertices.size() != mesh_.state->diffs.triangulation().vertex_count()) {
+  if (mesh.vertices.size() != mesh_->state->diffs.triangulation().vertex_count()) {
     report.problems.emplace_back("the triangulation's vertices are not those present");
   }
   return report;
@@ -124,8 +135,8 @@ template <int D>
 std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
   std::vector<std::string> problems;
   std::vector<meshing::OperationHash> ours, theirs;
-  meshing::Audit(mesh_.state->refinement, &problems, &ours);
-  meshing::Audit(other.mesh_.state->refinement, &problems, &theirs);
+  meshing::Audit(mesh_->state->refinement, &problems, &ours);
+  meshing::Audit(other.mesh_->state->refinement, &problems, &theirs);
   std::size_t i = 0;
   const std::size_t shared = std::min(ours.size(), theirs.size());
   while (i < shared && ours[i].identity == theirs[i].identity && ours[i].whole == theirs[i].whole) {
@@ -136,15 +147,19 @@ std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
     return i < operations.size() ? meshing::Describe(refinement, operations[i].op) : "no operation";
   };
   return "operation " + std::to_string(i) +
-         "\n  here:  " + describe(mesh_.state->refinement, ours) +
-         "\n  there: " + describe(other.mesh_.state->refinement, theirs);
+         "\n  here:  " + describe(mesh_->state->refinement, ours) +
+         "\n  there: " + describe(other.mesh_->state->refinement, theirs);
 }
 
 template <int D>
 std::string LiveMesh<D>::FirstUnreproduced() const {
-  return meshing::FirstUnreproduced(mesh_.state->refinement);
+  return meshing::FirstUnreproduced(mesh_->state->refinement);
 }
 
+template const MeshOptions& LiveMesh<2>::options() const;
+template const MeshOptions& LiveMesh<3>::options() const;
+template MeshHash LiveMesh<2>::hash() const;
+template MeshHash LiveMesh<3>::hash() const;
 template Mesh LiveMesh<2>::Snapshot() const;
 template Mesh LiveMesh<3>::Snapshot() const;
 template SimplexColumn LiveMesh<2>::Locate(std::span<const double>) const;

@@ -8,23 +8,12 @@
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
 #include "core/dynamic_mesh/live_features.h"
-#include "core/dynamic_mesh/rebuild_choice.h"
+#include "core/dynamic_mesh/live_mesh_tuning.h"
 #include "core/meshing/refinement.h"
 #include "core/plc/plc.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh {
-
-// Tuning of a LiveMesh; it changes no bit of any result.
-struct LiveMeshTuning {
-  RebuildThresholds rebuild;
-  // From scratch: read neighbourhoods from the growing triangulation.
-  bool global_neighbourhoods = true;
-  VertexHash vertex_hash = &VertexIdAt;
-  // Smaller limits are for tests.
-  sac::EngineLimits engine_limits = {};
-  std::size_t most_tetrahedra = 0;  // 0: no limit but the indices
-};
 
 // Everything computed from the features. New: of none, and nothing is computed yet.
 template <int D>

@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/dynamic_mesh/live_mesh_tuning.h"
 #include "core/plc/delta.h"
 #include "core/plc/size_rules.h"
 #include "core/sac/engine.h"
@@ -42,20 +43,6 @@ enum class Plan {
   kPropagate,
   kProbe,  // propagate, unless too much is stale once the change is known
   kRebuild,
-};
-
-// Thresholds above which a batch is rebuilt, as shares of what is present.
-struct RebuildThresholds {
-  std::size_t at_least = 64;     // changed features; fewer are propagated
-  double probe_features = 0.01;  // from this share on, count stale operations first
-  double features = 0.5;         // changed, of the present ones or of a fourth of the vertices
-  double stale = 0.1;            // of the operations
-  double carried = 0.3;          // vertices that sizing features need
-  // A running propagation is stopped when it has executed more operations than allowed, not
-  // counting those by which the trace has grown. Allowed are `work` of all operations, or
-  // `work_of_stale` times those stale at the beginning but at most `most_work` of all.
-  double work = 0.12, work_of_stale = 3, most_work = 0.25;
-  std::uint64_t at_least_work = 1'000;  // operations
 };
 
 // The cost of a propagation so far, evaluated before each of its operations.

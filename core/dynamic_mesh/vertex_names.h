@@ -19,14 +19,12 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/hash/hash.h"
 #include "core/base/large_vector.h"
+#include "core/dynamic_mesh/vertex_hash.h"
 #include "core/geometry/point.h"
 #include "core/meshing/elements.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
-
-// Tests use a poor hash, to make collisions.
-using VertexHash = VertexId (*)(const double* coordinates, int dimension, std::uint64_t salt);
 
 template <int D>
 class VertexNames {

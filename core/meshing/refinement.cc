@@ -125,6 +125,21 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
 // --- Propagation ------------------------------------------------------------------------
 
 template <int D, template <class> class E>
+bool Refinement<D, E>::Propagate(absl::FunctionRef<bool()> interrupt) {
+  if (!Begin(interrupt)) return false;
+  const bool done = RunAll(interrupt);
+  End(done);
+  return done;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::RunAll(absl::FunctionRef<bool()> interrupt) {
+  if (!complex_.slivers.is_on()) return engine_.Propagate(interrupt);
+  return engine_.Propagate(interrupt, CureEpoch(0)) && BeginCures(interrupt) &&
+         engine_.Propagate(interrupt);
+}
+
+template <int D, template <class> class E>
 bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
   auto& changes = parts_->input.changes();
   // Anchors decided by an interrupted call are decided again, even if its changes were undone.

@@ -87,13 +87,7 @@ class Refinement {
 
   // Runs what is due, for the first time or again. `interrupt()` is called before each operation;
   // if it returns true, Propagate returns false. See sac::Engine::Propagate.
-  template <class Interrupt>
-  bool Propagate(Interrupt interrupt) {
-    if (!Begin(interrupt)) return false;
-    const bool done = RunAll(interrupt);
-    End(done);
-    return done;
-  }
+  bool Propagate(absl::FunctionRef<bool()> interrupt);
 
   // From now on neighbourhoods are found in the spatial tree.
   void DetachTriangulation() { complex_.triangulation = nullptr; }
@@ -159,12 +153,7 @@ class Refinement {
   bool Begin(absl::FunctionRef<bool()> interrupt);
   void End(bool is_done);
   // Refinement, then cures.
-  template <class Interrupt>
-  bool RunAll(Interrupt interrupt) {
-    if (!complex_.slivers.is_on()) return engine_.Propagate(interrupt);
-    return engine_.Propagate(interrupt, CureEpoch(0)) && BeginCures(interrupt) &&
-           engine_.Propagate(interrupt);
-  }
+  bool RunAll(absl::FunctionRef<bool()> interrupt);
   bool BeginCures(absl::FunctionRef<bool()> interrupt);
 
   Engine engine_;
