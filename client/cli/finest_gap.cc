@@ -18,6 +18,8 @@ using text::Concat;
 // a distance is surely enough to join what is so near.
 constexpr double kTolerances2D = 2.5;
 constexpr double kTolerances3D = 5;
+// A warning before a mesh is tried: less than the share that explains a refusal (finest_place.cc).
+constexpr double kShareToWarnOf = 0.02;
 // Cleaning leaves gaps that a mesh affords easily.
 constexpr double kShareLeft = 0.1;
 
@@ -37,7 +39,7 @@ std::optional<FinestGap> Find(const std::vector<Feature>& features, MeshOptions 
   AllSteps steps;
   const plc::SegmentGaps<D> found = plc::GapsAmong<D>(delta->added_segments, options, most, steps,
                                                       [](const auto&, double, auto) {});
-  if (!(found.sum > 0.02 * most)) return std::nullopt;
+  if (!(found.sum > kShareToWarnOf * most)) return std::nullopt;
   const auto& [at, worst] = found.Worst();
   FinestGap gap;
   gap.features = {delta->added_segments[at].id, worst.other.id};

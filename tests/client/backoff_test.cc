@@ -7,7 +7,7 @@
 
 #include "client/backoff_internal.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::backoff_test {
 namespace {
 
 using Clock = Backoff::Clock;
@@ -60,4 +60,4 @@ TEST(Backoff, BeginsAgainAfterASuccess) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::backoff_test

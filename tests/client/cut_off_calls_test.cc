@@ -14,7 +14,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::cut_off_calls_test {
 namespace {
 
 // Cancels the first calls, or ends them with `how`. Then it says that there is no mesh.
@@ -129,4 +129,4 @@ TEST(CutOffCalls, AWatchGoesOn) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::cut_off_calls_test

@@ -12,7 +12,7 @@
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::mesh_replica_test {
 namespace {
 
 using server::AddPoint;
@@ -245,4 +245,4 @@ TEST_F(MeshReplicaTest, AnEventFromTheFutureIsIgnored) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::mesh_replica_test

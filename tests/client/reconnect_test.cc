@@ -18,7 +18,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/held_port.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::reconnect_test {
 namespace {
 
 using server::Mailbox;
@@ -180,4 +180,4 @@ TEST(Reconnect, AClientThatGoesWaitsForNoServer) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::reconnect_test

@@ -19,7 +19,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::waiting_calls_test {
 namespace {
 
 using Context = grpc::ServerContext;
@@ -284,4 +284,4 @@ TEST_F(WaitingCallsTest, AClientThatGoesWaitsForNoQuestion) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::waiting_calls_test

@@ -19,7 +19,7 @@
 #include "tests/server/test_support.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::client {
+namespace dynmesh::client::watch_session_test {
 namespace {
 
 using server::AddPoint;
@@ -275,4 +275,4 @@ TEST_F(WatchSessionTest, StopsInEveryState) {
 }
 
 }  // namespace
-}  // namespace dynmesh::client
+}  // namespace dynmesh::client::watch_session_test

@@ -8,7 +8,7 @@
 
 #include "tests/differential/differential.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::capsule_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261125;
@@ -129,4 +129,4 @@ TEST(CapsulesOfTies, HaveNoDirection) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::capsule_test

@@ -17,7 +17,7 @@
 #include "tests/differential/locality_scenes.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::conservation_test {
 namespace {
 
 using testing::FieldLab;
@@ -227,4 +227,4 @@ TEST_P(ConservationIn, ManyEdits) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::conservation_test

@@ -14,7 +14,7 @@
 #include "tests/support/crafted.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::crafted_ids_test {
 namespace {
 
 // What a mesh of these makes of them.
@@ -272,4 +272,4 @@ TEST(CraftedIds, TwoSaltedVerticesWithOneIdAreRefusedInSpace) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::crafted_ids_test

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "core/dynamic_mesh/rebuild_choice.h"
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
 #include "tests/support/nightly.h"

@@ -10,10 +10,10 @@
 #include "tests/differential/differential.h"
 #include "tests/differential/locality_scenes.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::locality_test {
 namespace {
 
-class Locality : public testing::TestWithParam<LocalityScene> {
+class Locality : public ::testing::TestWithParam<LocalityScene> {
  protected:
   // `times`: the scene's bounds.
   static void Check(double min_dihedral, std::uint64_t times) {
@@ -54,8 +54,8 @@ std::vector<LocalityScene> ScenesIn3D() {
 }
 
 constexpr auto kNameOf = [](const auto& given) { return std::string(given.param.name); };
-INSTANTIATE_TEST_SUITE_P(Scenes, Locality, testing::ValuesIn(LocalityScenes()), kNameOf);
-INSTANTIATE_TEST_SUITE_P(Scenes, LocalityAmongCures, testing::ValuesIn(ScenesIn3D()), kNameOf);
+INSTANTIATE_TEST_SUITE_P(Scenes, Locality, ::testing::ValuesIn(LocalityScenes()), kNameOf);
+INSTANTIATE_TEST_SUITE_P(Scenes, LocalityAmongCures, ::testing::ValuesIn(ScenesIn3D()), kNameOf);
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::locality_test

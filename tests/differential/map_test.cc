@@ -20,7 +20,7 @@
 #include "tests/differential/differential.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::map_test {
 namespace {
 
 class MapEdits {
@@ -158,4 +158,4 @@ TEST(Map, IsFromScratchAfterEveryRevision) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::map_test

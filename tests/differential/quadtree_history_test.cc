@@ -16,7 +16,7 @@
 #include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::quadtree_history_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 24;
@@ -93,12 +93,12 @@ void ExpectHistoryIndependence(Generator generator, int revisions) {
     if (batch.empty() || !ApplySomehow(tree, replica, batch, random)) continue;
     ++applied;
     ExpectAsFromScratch(tree, applied % 5 == 0);
-    ASSERT_FALSE(testing::Test::HasFailure()) << "revision " << applied;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "revision " << applied;
   }
   EXPECT_EQ(applied, revisions);
 }
 
-class QuadtreeHistory : public testing::TestWithParam<Distribution> {};
+class QuadtreeHistory : public ::testing::TestWithParam<Distribution> {};
 TEST_P(QuadtreeHistory, IsAsFromScratch) {
   const Distribution d = GetParam();
   if (DimensionOf(d) == 2) {
@@ -109,7 +109,7 @@ TEST_P(QuadtreeHistory, IsAsFromScratch) {
 }
 // Not those of sizing features.
 INSTANTIATE_TEST_SUITE_P(All, QuadtreeHistory,
-                         testing::Values(Distribution::kUniform, Distribution::kClustered,
+                         ::testing::Values(Distribution::kUniform, Distribution::kClustered,
                                          Distribution::kCircle, Distribution::kGrid,
                                          Distribution::kLine, Distribution::kDyadicLine,
                                          Distribution::kTwoScale, Distribution::kSegmentsAxis,
@@ -122,12 +122,12 @@ INSTANTIATE_TEST_SUITE_P(All, QuadtreeHistory,
                                          Distribution::kSkewGridEdges),
                          [](const auto& test) { return NameOf(test.param); });
 
-class QuadtreePolygons : public testing::TestWithParam<PolygonKind> {};
+class QuadtreePolygons : public ::testing::TestWithParam<PolygonKind> {};
 TEST_P(QuadtreePolygons, AreAsFromScratch) {
   ExpectHistoryIndependence<3>(PolygonScript(GetParam(), 5, kSeed), IsNightly() ? 500 : 15);
 }
-INSTANTIATE_TEST_SUITE_P(All, QuadtreePolygons, testing::ValuesIn(kPolygonKinds),
+INSTANTIATE_TEST_SUITE_P(All, QuadtreePolygons, ::testing::ValuesIn(kPolygonKinds),
                          [](const auto& test) { return NameOf(test.param); });
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::quadtree_history_test

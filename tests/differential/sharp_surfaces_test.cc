@@ -14,12 +14,12 @@
 #include "tests/support/nightly.h"
 #include "tests/support/surfaces.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::sharp_surfaces_test {
 namespace {
 
 using Place = std::array<double, 3>;
 
-class SharpSurfaces : public testing::TestWithParam<std::uint64_t> {
+class SharpSurfaces : public ::testing::TestWithParam<std::uint64_t> {
  protected:
   SharpSurfaces() : mesh_(NewMesh(DefaultsIn<3>())), replica_(*mesh_) {}
 
@@ -135,7 +135,7 @@ TEST_P(SharpSurfaces, FacesOfAScanComeAndGo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SharpSurfaces,
-                         testing::Range<std::uint64_t>(1, IsNightly() ? 31 : 2));
+                         ::testing::Range<std::uint64_t>(1, IsNightly() ? 31 : 2));
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::sharp_surfaces_test

@@ -11,7 +11,7 @@
 #include "dynmesh/error.h"
 #include "tests/differential/differential.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::size_limits_test {
 namespace {
 
 std::string ReasonOf(const absl::Status& status) {
@@ -138,4 +138,4 @@ TEST(SizeLimits, MorePointsThanVerticesAreRefusedAtOnce) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::size_limits_test

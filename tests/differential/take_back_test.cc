@@ -10,7 +10,7 @@
 #include "tests/differential/differential.h"
 #include "tests/support/polygon_script.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::take_back_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
@@ -98,7 +98,7 @@ void ExpectGroupsToBeTakenBack(Generator generator, const LiveMeshTuning& tuning
       ASSERT_FALSE(followed.found) << followed.what;
     }
     after.ExpectAgain(mesh);
-    ASSERT_FALSE(testing::Test::HasFailure());
+    ASSERT_FALSE(::testing::Test::HasFailure());
   }
   EXPECT_GT(taken, static_cast<std::size_t>(groups));
 }
@@ -138,7 +138,7 @@ void ExpectPrefixesToBeSettled(Generator generator, const LiveMeshTuning& tuning
     }
     const Difference d = CompareWithScratch(mesh, true, /*with_static=*/false);
     ASSERT_FALSE(d.found) << d.what;
-    ASSERT_FALSE(testing::Test::HasFailure());
+    ASSERT_FALSE(::testing::Test::HasFailure());
   }
   mesh.TakeBack(moments.size());
   if (!moments.empty()) moments.front().ExpectAgain(mesh);
@@ -146,7 +146,7 @@ void ExpectPrefixesToBeSettled(Generator generator, const LiveMeshTuning& tuning
   EXPECT_GT(taken, 0);
 }
 
-class TakeBack : public testing::TestWithParam<std::pair<Distribution, bool>> {};
+class TakeBack : public ::testing::TestWithParam<std::pair<Distribution, bool>> {};
 
 LiveMeshTuning TuningOf(bool rebuild) {
   // Rebuilds, forth and back, whenever more than a few operations run: at any step of several.
@@ -175,7 +175,7 @@ TEST_P(TakeBack, UndoesWhatIsNotSettled) {
   }
 }
 
-class TakeBackPolygons : public testing::TestWithParam<PolygonKind> {};
+class TakeBackPolygons : public ::testing::TestWithParam<PolygonKind> {};
 
 TEST_P(TakeBackPolygons, BringsTheFormerTraceBack) {
   ExpectGroupsToBeTakenBack<3>(PolygonScript(GetParam(), 2, kSeed), AlwaysPropagate(), 3);
@@ -194,10 +194,10 @@ const auto kNameOf = [](const auto& given) {
   return NameOf(given.param.first) + (given.param.second ? "BuiltAnew" : "");
 };
 
-INSTANTIATE_TEST_SUITE_P(All, TakeBack, testing::ValuesIn(BothWays(kAllDistributions)), kNameOf);
-INSTANTIATE_TEST_SUITE_P(Space, TakeBack, testing::ValuesIn(BothWays(kSpaceDistributions)),
+INSTANTIATE_TEST_SUITE_P(All, TakeBack, ::testing::ValuesIn(BothWays(kAllDistributions)), kNameOf);
+INSTANTIATE_TEST_SUITE_P(Space, TakeBack, ::testing::ValuesIn(BothWays(kSpaceDistributions)),
                          kNameOf);
-INSTANTIATE_TEST_SUITE_P(All, TakeBackPolygons, testing::ValuesIn(kPolygonKinds),
+INSTANTIATE_TEST_SUITE_P(All, TakeBackPolygons, ::testing::ValuesIn(kPolygonKinds),
                          [](const auto& given) { return NameOf(given.param); });
 
 TEST(Settle, KeepsWhatWasAppliedAndOnlyLaterRevisionsAreTakenBack) {
@@ -223,4 +223,4 @@ TEST(Settle, KeepsWhatWasAppliedAndOnlyLaterRevisionsAreTakenBack) {
 }
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::take_back_test

@@ -11,7 +11,7 @@
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh {
+namespace dynmesh::end_to_end_test {
 namespace {
 
 TEST_F(EndToEndTest, TheMeshOverTheWireIsTheLibrarysBitForBit) {
@@ -183,4 +183,4 @@ TEST_F(EndToEndTest, TwoHundredWatchersEndWithTheServersHash) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::end_to_end_test

@@ -10,7 +10,7 @@
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh {
+namespace dynmesh::hash_specification_test {
 namespace {
 
 class HashSpecification : public EndToEndTest {
@@ -110,4 +110,4 @@ TEST_F(HashSpecification, TheCheckFailsOfADamagedSnapshot) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::hash_specification_test

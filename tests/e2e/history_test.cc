@@ -25,7 +25,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::history_test {
 namespace {
 
 std::string ReasonOf(const absl::Status& status) {
@@ -372,4 +372,4 @@ TEST_F(HistoryTest, ManyFeaturesComeInChunks) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::history_test

@@ -19,7 +19,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/e2e_fixture.h"
 
-namespace dynmesh {
+namespace dynmesh::large_test {
 namespace {
 
 constexpr std::size_t kMostBytes = 1'000'000;  // of a message
@@ -208,4 +208,4 @@ TEST_F(HugeBatchTest, OneBadEditIsNamedAndNothingChanges) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::large_test

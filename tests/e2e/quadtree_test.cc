@@ -13,7 +13,7 @@
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh {
+namespace dynmesh::quadtree_test {
 namespace {
 
 class QuadtreeEndToEnd : public EndToEndTest {};
@@ -84,4 +84,4 @@ TEST_F(QuadtreeEndToEnd, BadOptionsAndSizingFeaturesAreNamed) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::quadtree_test

@@ -12,7 +12,7 @@
 #include "tests/server/raw_upload.h"
 #include "tests/server/server_fixture.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::build_result_test {
 namespace {
 
 using client::BuildParams;
@@ -235,4 +235,4 @@ TEST_F(BuildResultTest, ADrainStopsALongBuild) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::build_result_test

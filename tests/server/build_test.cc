@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::build_test {
 namespace {
 
 using absl::StatusCode;
@@ -453,4 +453,4 @@ TEST_F(BuildTest, BuildsMayBeCancelledAtAnyMoment) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::build_test

@@ -9,7 +9,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/raw_http2.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::drain_test {
 namespace {
 
 using DrainTest = ServerFixture;
@@ -139,4 +139,4 @@ TEST_F(DrainTest, AServerEndsWithAllKindsOfStreamsOpen) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::drain_test

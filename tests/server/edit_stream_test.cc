@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::edit_stream_test {
 namespace {
 
 using EditStreamTest = ServerFixture;
@@ -375,4 +375,4 @@ TEST_F(EditStreamTest, StreamsMayBeCancelledAtAnyMoment) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::edit_stream_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/certificates.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::flags_test {
 namespace {
 
 constexpr char kExample[] = DYNMESH_SOURCE_DIR "/deploy/dynmeshd.conf";
@@ -229,4 +229,4 @@ TEST(Flags, ANodesAddressIsOneThatAClientCanBeGiven) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::flags_test

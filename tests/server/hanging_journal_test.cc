@@ -17,7 +17,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::hanging_journal_test {
 namespace {
 
 class HangingJournalTest : public ObserveTest {
@@ -194,4 +194,4 @@ TEST(JournalWatchTest, AWriteThatHangsIsToldOnceAndSoIsItsEnd) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::hanging_journal_test

@@ -14,7 +14,7 @@
 #include "tests/support/deadline.h"
 #include "tests/support/raw_http2.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::load_test {
 namespace {
 
 using absl::StatusCode;
@@ -52,7 +52,11 @@ class LoadTest : public ServerFixture {
     for (int i = 0; i < 1000; ++i) {
       const auto loaded = client_->Load("m", Points(1, kPending));
       if (loaded.ok()) return;
-      ASSERT_EQ(ReasonOf(loaded.status()), codec::reason::kPendingLimit) << Text(loaded.status());
+      // On a machine that stands still a part of this load, too, may come late.
+      const std::string reason = ReasonOf(loaded.status());
+      ASSERT_TRUE(reason == codec::reason::kPendingLimit ||
+                  reason == codec::reason::kBatchIncomplete)
+          << Text(loaded.status());
       absl::SleepFor(absl::Milliseconds(10));
     }
     ADD_FAILURE() << "what the load held was not given back";
@@ -443,4 +447,4 @@ TEST_F(LoadTest, LoadsMayBeCancelledAtAnyMoment) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::load_test

@@ -21,7 +21,7 @@
 #include "server/revisions/request_memory.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::parts_test {
 namespace {
 
 TEST(WorkerPool, StopRunsWhatIsQueuedAndWhatThatPosts) {
@@ -429,4 +429,4 @@ TEST(Log, AClientCannotForgeALine) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::parts_test

@@ -9,7 +9,7 @@
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::send_timeout_test {
 namespace {
 
 constexpr FeatureId kMany = 100'000;
@@ -169,4 +169,4 @@ TEST_F(SendTimeoutTest, ZeroIsNever) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::send_timeout_test

@@ -8,7 +8,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::service_limits_test {
 namespace {
 
 using ServiceLimits = ServerFixture;
@@ -195,4 +195,4 @@ TEST_F(ServiceLimits, AMeshsOwnVertexLimitHolds) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::service_limits_test

@@ -12,7 +12,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::service_test {
 namespace {
 
 using ServiceTest = ServerFixture;
@@ -430,4 +430,4 @@ TEST_F(ServiceTest, TwoServersDoNotShareAPort) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::service_test

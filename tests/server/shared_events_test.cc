@@ -12,7 +12,7 @@
 #include "server/revisions/diff_algebra.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::shared_events_test {
 namespace {
 
 constexpr std::size_t kFragment = 2'000;
@@ -104,4 +104,4 @@ TEST_F(SharedEventsTest, ALargeDiffIsNotKept) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::shared_events_test

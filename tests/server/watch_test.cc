@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::watch_test {
 namespace {
 
 using WatchTest = ServerFixture;
@@ -300,4 +300,4 @@ TEST_F(WatchTest, AWatcherOfAServerThatLostItsMeshesIsToldSoAndKeepsWhatItHas) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::watch_test

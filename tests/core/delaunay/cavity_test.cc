@@ -10,7 +10,7 @@
 #include "core/delaunay/delaunay_tetrahedralization.h"
 #include "core/geometry/space_predicates.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::cavity_test {
 namespace {
 
 using Triangulation = DelaunayTetrahedralization;
@@ -87,4 +87,4 @@ TEST(Cavity, ACopyGoesItsOwnWay) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::cavity_test

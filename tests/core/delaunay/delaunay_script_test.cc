@@ -8,7 +8,7 @@
 #include "tests/core/delaunay/random_edits.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::delaunay_script_test {
 namespace {
 
 using namespace testing;
@@ -68,4 +68,4 @@ std::string NameOf(const ::testing::TestParamInfo<Layout>& layout) {
 INSTANTIATE_TEST_SUITE_P(Layouts, DelaunayScript, ::testing::ValuesIn(kAllLayouts), NameOf);
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::delaunay_script_test

@@ -5,7 +5,7 @@
 #include "tests/core/delaunay/tetrahedra_oracle.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::delaunay_tetrahedralization_removal_test {
 namespace {
 
 using namespace testing;
@@ -98,4 +98,4 @@ TEST(TetrahedraRemoval, ReusesTetrahedraAndScratch) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::delaunay_tetrahedralization_removal_test

@@ -8,7 +8,7 @@
 #include "tests/core/delaunay/tetrahedra_oracle.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::delaunay_tetrahedralization_script_test {
 namespace {
 
 using namespace testing;
@@ -73,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(Layouts, TetrahedralizationScript, ::testing::ValuesIn(
                          NameOf);
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::delaunay_tetrahedralization_script_test

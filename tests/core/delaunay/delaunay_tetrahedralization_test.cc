@@ -11,7 +11,7 @@
 #include "tests/core/delaunay/tetrahedra_oracle.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::delaunay_tetrahedralization_test {
 namespace {
 
 using namespace testing;
@@ -395,4 +395,4 @@ TEST(DelaunayTetrahedralization, LinksMayBeLarge) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::delaunay_tetrahedralization_test

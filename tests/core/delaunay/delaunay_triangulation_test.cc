@@ -10,7 +10,7 @@
 #include "tests/core/delaunay/delaunay_oracle.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::delaunay_triangulation_test {
 namespace {
 
 using namespace testing;
@@ -435,4 +435,4 @@ TEST(DelaunayInsertOrder, IsShortWithinNestedClusters) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::delaunay_triangulation_test

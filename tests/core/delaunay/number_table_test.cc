@@ -9,7 +9,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::number_table_test {
 namespace {
 
 TEST(NumberTable, NumbersLikeAMapWhateverCameBefore) {
@@ -36,4 +36,4 @@ TEST(NumberTable, NumbersLikeAMapWhateverCameBefore) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::number_table_test

@@ -10,7 +10,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::delaunay {
+namespace dynmesh::delaunay::vertex_link_test {
 namespace {
 
 template <class Tables>
@@ -78,4 +78,4 @@ TEST(LinkTables, ForgetWhenStampsComeRound) {
 }
 
 }  // namespace
-}  // namespace dynmesh::delaunay
+}  // namespace dynmesh::delaunay::vertex_link_test

@@ -10,7 +10,7 @@
 #include "core/meshing/refinement.h"
 #include "core/plc/plc.h"
 
-namespace dynmesh {
+namespace dynmesh::hub_test {
 namespace {
 
 using Refinement = meshing::Refinement<2, sac::Engine>;
@@ -102,4 +102,4 @@ TEST(Hub, OneOfManyThatAreEquallyNearIsRead) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::hub_test

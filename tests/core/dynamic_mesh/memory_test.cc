@@ -8,7 +8,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::memory_test {
 namespace {
 
 constexpr int kPoints = 600;
@@ -109,4 +109,4 @@ TEST_P(Memory, ForUndoingIsReleasedWithWhatIsSettled) {
 INSTANTIATE_TEST_SUITE_P(Dimensions, Memory, testing::Values(2, 3));
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::memory_test

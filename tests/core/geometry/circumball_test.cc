@@ -13,7 +13,7 @@
 #include "core/geometry/space_predicates.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::circumball_test {
 namespace {
 
 using Exact = CGAL::Simple_cartesian<CGAL::Exact_rational>;
@@ -44,7 +44,7 @@ std::array<Point3, 4> AnyPoints(std::mt19937_64& random, bool flat) {
   return p;
 }
 
-class CircumballTest : public testing::TestWithParam<bool> {};
+class CircumballTest : public ::testing::TestWithParam<bool> {};
 
 TEST_P(CircumballTest, IsAsNearAsItSays) {
   const std::uint64_t seed = test::NewSeed();
@@ -73,7 +73,7 @@ TEST_P(CircumballTest, IsAsNearAsItSays) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(FlatOrNot, CircumballTest, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(FlatOrNot, CircumballTest, ::testing::Bool());
 
 TEST(Circumball, OfFourCoplanarPointsIsNotKnown) {
   const Point3 p{{0, 0, 0}}, a{{1, 0, 0}}, b{{0, 1, 0}}, c{{1, 1, 0}};
@@ -92,4 +92,4 @@ TEST(ScaledDouble, IsTheNumberToTheLastBitButOne) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::circumball_test

@@ -7,7 +7,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::constructions_test {
 namespace {
 
 TEST(Constructions, CircumcenterIsEquidistant) {
@@ -59,4 +59,4 @@ TEST(Constructions, MidpointLiesBetween) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::constructions_test

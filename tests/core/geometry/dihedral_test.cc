@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::dihedral_test {
 namespace {
 
 using Corners = std::array<Point3, 4>;
@@ -98,4 +98,4 @@ TEST(Dihedral, OfKnownTetrahedra) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::dihedral_test

@@ -10,7 +10,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::exact_integer_test {
 namespace {
 
 using Q = CGAL::Exact_rational;
@@ -144,4 +144,4 @@ TEST(ExactInteger, SmallWidthsFitOneLimb) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::exact_integer_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::facet_interior_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
@@ -131,7 +131,7 @@ bool NaiveHolds(const std::vector<Ring3>& rings, const FacetPlane& plane, const 
   return inside;
 }
 
-class FacetInteriors : public testing::Test {
+class FacetInteriors : public ::testing::Test {
  protected:
   // f(sheet, drawn, rings, plane, interior) for all polygons on all sheets.
   template <class F>
@@ -286,4 +286,4 @@ TEST(FacetInterior, HasManyCorners) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::facet_interior_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::facet_plane_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
@@ -68,4 +68,4 @@ TEST(FacetPlane, HasHeightsAndFeet) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::facet_plane_test

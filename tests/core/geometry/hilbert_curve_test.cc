@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::hilbert_curve_test {
 namespace {
 
 template <int D>
@@ -45,4 +45,4 @@ TEST(HilbertCurve, GoesFromCellToCell) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::hilbert_curve_test

@@ -12,7 +12,7 @@
 #include "core/geometry/predicates.h"
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::perturbation_test {
 namespace {
 
 using Triangle = std::array<Point2, 3>;
@@ -131,4 +131,4 @@ TEST(Perturbation, TrianglesOfASubsetSurviveUnlessANewPointKillsThem) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::perturbation_test

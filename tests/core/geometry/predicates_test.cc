@@ -10,7 +10,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::predicates_test {
 namespace {
 
 using testing::kAllKinds;
@@ -186,4 +186,4 @@ TEST(Predicates, TheGreatestOfFourCocircularPointsIsTheOneCutOff) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::predicates_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/workload.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::segment_distance_test {
 namespace {
 
 template <int D>
@@ -84,4 +84,4 @@ TEST(MayMeetCube, IsTrueWhereAPlaceOfTheSegmentIsInTheCube) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::segment_distance_test

@@ -16,7 +16,7 @@
 #include "tests/core/geometry/random_points.h"
 #include "tests/core/geometry/rational_vectors.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::space_predicates_test {
 namespace {
 
 using testing::Det;
@@ -187,4 +187,4 @@ TEST(SpacePerturbation, MakesDelaunayUniqueOnCubes) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::space_predicates_test

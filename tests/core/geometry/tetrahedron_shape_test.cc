@@ -10,7 +10,7 @@
 #include "tests/core/geometry/random_points.h"
 #include "tests/core/geometry/rational_vectors.h"
 
-namespace dynmesh::geometry {
+namespace dynmesh::geometry::tetrahedron_shape_test {
 namespace {
 
 using testing::Det;
@@ -101,4 +101,4 @@ TEST(TetrahedronShape, RatiosThatAreDoublesAreMetExactly) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::geometry::tetrahedron_shape_test

@@ -14,7 +14,7 @@
 #include "core/meshing/refinement.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::change_cost_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261129;
@@ -179,4 +179,4 @@ TEST(ChangeCost, InSpace) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::change_cost_test

@@ -11,7 +11,7 @@
 #include "core/meshing/refinement.h"
 #include "tests/support/crafted.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::crafted_points_test {
 namespace {
 
 template <int D>
@@ -80,4 +80,4 @@ TEST(CraftedPoints, BetweenLinesDoNotFillATriangulation) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::crafted_points_test

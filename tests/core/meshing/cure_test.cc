@@ -14,7 +14,7 @@
 #include "tests/support/dihedral.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::cure_test {
 namespace {
 
 using geometry::Point3;
@@ -123,4 +123,4 @@ TEST(Cure, OfAGrid) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::cure_test

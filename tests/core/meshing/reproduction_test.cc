@@ -14,7 +14,7 @@
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::test {
+namespace dynmesh::test::reproduction_test {
 namespace {
 
 // How many times as many seeds.
@@ -124,4 +124,4 @@ TEST_P(ReproductionOfPolygons, OfEveryOperationAfterEveryRevision) {
 INSTANTIATE_TEST_SUITE_P(InSpace, ReproductionOfPolygons, testing::ValuesIn(kPolygonKinds), kName);
 
 }  // namespace
-}  // namespace dynmesh::test
+}  // namespace dynmesh::test::reproduction_test

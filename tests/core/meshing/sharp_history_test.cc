@@ -11,7 +11,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::sharp_history_test {
 namespace {
 
 MeshOptions Options() {
@@ -106,4 +106,4 @@ TEST(SharpHistory, EveryRevisionIsAsFromScratch) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::sharp_history_test

@@ -12,7 +12,7 @@
 #include "dynmesh/quality.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::small_angles_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -137,4 +137,4 @@ TEST(SmallAngles, ParallelSegmentsVeryClose) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::small_angles_test

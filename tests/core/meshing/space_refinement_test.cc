@@ -22,7 +22,7 @@
 #include "core/meshing/trace_audit.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh::meshing {
+namespace dynmesh::meshing::space_refinement_test {
 namespace {
 
 using geometry::Point3;
@@ -365,4 +365,4 @@ TEST(SpaceRefinementWork, AnEditDoesNotGrowWithTheInput) {
 }
 
 }  // namespace
-}  // namespace dynmesh::meshing
+}  // namespace dynmesh::meshing::space_refinement_test

@@ -15,7 +15,7 @@
 #include "tests/support/judged.h"
 #include "tests/support/workload.h"
 
-namespace dynmesh {
+namespace dynmesh::space_small_angles_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -292,4 +292,4 @@ TEST(SpaceSmallAngles, Spikes) {
 }
 
 }  // namespace
-}  // namespace dynmesh
+}  // namespace dynmesh::space_small_angles_test

@@ -11,7 +11,7 @@
 #include "core/plc/rules.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::cell_grid_test {
 namespace {
 
 using geometry::Point2;
@@ -107,4 +107,4 @@ TEST(CellGrid, ASegmentDoesNotMeetCellsWellBesideIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::cell_grid_test

@@ -11,7 +11,7 @@
 
 #include "tests/core/geometry/random_points.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::far_apart_test {
 namespace {
 
 template <int D>
@@ -91,4 +91,4 @@ TEST(AreFarApart, IsTrueOfUniformPoints) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::far_apart_test

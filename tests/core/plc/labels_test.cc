@@ -7,7 +7,7 @@
 
 #include "dynmesh/error.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::labels_test {
 namespace {
 
 absl::Status Check(const std::string& name) { return CheckLabel(7, {0, name}, 3); }
@@ -55,4 +55,4 @@ TEST(LabelNames, AreOf255BytesAtMost) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::labels_test

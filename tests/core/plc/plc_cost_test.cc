@@ -12,7 +12,7 @@
 #include "dynmesh/error.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::plc_cost_test {
 namespace {
 
 std::uint64_t CostOf(const Plc2& plc, const EditBatch& batch) {
@@ -128,7 +128,6 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
   }
 }
 
-// All is replaced repeatedly: the index neither grows nor slows.
 // `count` spokes from the middle to a circle, of different lengths.
 EditBatch Wheel(int count) {
   EditBatch batch = {AddPoint(1, 0.5, 0.5)};
@@ -156,6 +155,7 @@ TEST(PlcCost, OfASegmentDoesNotGrowWithThoseThatMeetAtItsEnd) {
   EXPECT_LT(of_another[1], 1.5 * of_another[0]);
 }
 
+// All is replaced repeatedly: the index neither grows nor slows.
 TEST(PlcCost, TheIndexDoesNotAge) {
   Plc2 plc(Square(0, 1));
   Apply(plc, Streets(20, 0, 1, 1));
@@ -188,4 +188,4 @@ TEST(PlcCost, ALargeBatchWithOneBadFeatureIsRefusedAtThePriceOfReadingIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::plc_cost_test

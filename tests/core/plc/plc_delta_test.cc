@@ -10,7 +10,7 @@
 #include "dynmesh/error.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::plc_delta_test {
 namespace {
 
 const geometry::Point2 kA{{0.25, 0.25}}, kB{{0.75, 0.25}}, kC{{0.5, 0.75}};
@@ -272,4 +272,4 @@ TEST(PlcDeltaParts, MakeTheWholeChange) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::plc_delta_test

@@ -15,7 +15,7 @@
 #include "core/plc/spatial_index.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::space_index_test {
 namespace {
 
 using geometry::Point3;
@@ -242,4 +242,4 @@ TEST(SpaceCost, LargePlatesAreTheirNumberNearby) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::space_index_test

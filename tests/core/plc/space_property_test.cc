@@ -19,7 +19,7 @@
 #include "tests/core/plc/naive_space.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::space_property_test {
 namespace {
 
 using Place = std::array<double, 3>;
@@ -299,4 +299,4 @@ TEST(SpaceProperty, SmallEditsAgreeWithTheOracle) { RunScripts(1000, Scripts(), 
 TEST(SpaceProperty, LargerBatchesAgreeWithTheOracle) { RunScripts(200000, Scripts(), 15, 6); }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::space_property_test

@@ -15,7 +15,7 @@
 #include "core/plc/rules.h"
 #include "tests/core/plc/plc_test_util.h"
 
-namespace dynmesh::plc {
+namespace dynmesh::plc::spatial_index_test {
 namespace {
 
 using geometry::Point2;
@@ -286,4 +286,4 @@ TEST(SpatialIndex, SplitsNoDeeperThanNeeded) {
 }
 
 }  // namespace
-}  // namespace dynmesh::plc
+}  // namespace dynmesh::plc::spatial_index_test

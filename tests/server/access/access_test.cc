@@ -16,7 +16,7 @@
 #include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::access_test {
 namespace {
 
 std::string HexOf(const std::string& token) { return codec::ToHex(codec::HashToken(token)); }
@@ -308,4 +308,4 @@ TEST(MemoryGuard, TellsBothSidesOfItsLimit) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::access_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dynmesh::server {
+namespace dynmesh::server::connection_table_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -228,4 +228,4 @@ TEST_F(ConnectionTableTest, AddressesThatAreGoneAreForgotten) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::connection_table_test

@@ -15,10 +15,16 @@
 #include "tests/support/seed.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::hostile_test {
 namespace {
 
 using test::RawConnection;
+
+#ifdef __SANITIZE_THREAD__  // which keeps four bytes beside each
+constexpr std::uint64_t kMostGrowth = std::uint64_t{512} << 20;
+#else
+constexpr std::uint64_t kMostGrowth = std::uint64_t{128} << 20;
+#endif
 
 class HostileTest : public ServerFixture {
  protected:
@@ -29,8 +35,7 @@ class HostileTest : public ServerFixture {
     config.keepalive_timeout = absl::Milliseconds(500);
     return config;
   }
-  void Start(ServerConfig config = {}) {
-    config.handshake_timeout = absl::Seconds(1);
+  void Start(const ServerConfig& config = {}) {
     StartWithMesh(config);
     ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2), AddPoint(3)}).ok());
     before_ = HeadOf();
@@ -59,7 +64,7 @@ class HostileTest : public ServerFixture {
     EXPECT_LT(best, absl::Seconds(1));
     EXPECT_EQ(HeadOf().hash, before_.hash);
     before_ = HeadOf();
-    EXPECT_LT(ResidentBytes(), resident_ + (std::uint64_t{128} << 20));
+    EXPECT_LT(ResidentBytes(), resident_ + kMostGrowth);
   }
 
   Head before_;
@@ -74,7 +79,9 @@ std::string WatchOfM() {
 }
 
 TEST_F(HostileTest, ConnectionsThatSayNothingAreClosed) {
-  Start();
+  ServerConfig config;
+  config.handshake_timeout = absl::Seconds(3);  // the test's own clients keep it, too
+  Start(config);
   std::vector<RawConnection> silent;
   for (int i = 0; i < 400; ++i) {
     silent.push_back(Open());
@@ -274,7 +281,8 @@ TEST_F(HostileTest, MessagesThatAreTooLargeAreRefused) {
     const auto reader = stub_->ApplyEdits(&context, request);
     v1::MeshDiff diff;
     EXPECT_FALSE(reader->Read(&diff));
-    EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    const grpc::Status status = reader->Finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
   }
   request.set_request_id(std::string(60 << 10, 'x'));  // too long an id, but not a message
   grpc::ClientContext context;
@@ -306,4 +314,4 @@ TEST_F(HostileTest, CallsCancelledInTheMiddleChangeNothing) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::hostile_test

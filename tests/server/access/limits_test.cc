@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::limits_test {
 namespace {
 
 using LimitsTest = ServerFixture;
@@ -157,4 +157,4 @@ TEST_F(MemoryLimitTest, ABatchUnderWayIsUndone) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::limits_test

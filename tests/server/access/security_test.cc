@@ -12,7 +12,7 @@
 #include "tests/support/certificates.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::security_test {
 namespace {
 
 using absl::StatusCode;
@@ -387,4 +387,4 @@ TEST_F(TokenTest, TakingATokenOutEndsItsStreamsAndNoOthers) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::security_test

@@ -6,7 +6,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/certificates.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::tls_test {
 namespace {
 
 using absl::StatusCode;
@@ -226,4 +226,4 @@ TEST_F(TlsTest, FilesThatAreBadAtTheStartAreNamed) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::tls_test

@@ -10,7 +10,7 @@
 
 #include "server/base/log.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::lease_keeper_test {
 namespace {
 
 using std::chrono::hours;
@@ -100,4 +100,4 @@ TEST_F(LeaseKeeperTest, ARenewalUnderWayIsWaitedForAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::lease_keeper_test

@@ -15,7 +15,7 @@
 #include "server/cluster/read_lease.h"
 #include "tests/support/seed.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::placement_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -126,4 +126,4 @@ TEST(Placement, TheNextNodesAreThoseOfTheLargestWeightsWithoutTheOwner) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::placement_test

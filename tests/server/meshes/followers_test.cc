@@ -17,7 +17,7 @@
 #include "tests/server/meshes/memory_cluster.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::followers_test {
 namespace {
 
 using HostPtr = MeshRegistry::HostPtr;
@@ -486,4 +486,4 @@ TEST_F(WarmTest, AMeshThatIsNotUsedIsNotFollowedAnyMore) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::followers_test

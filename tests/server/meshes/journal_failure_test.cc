@@ -10,7 +10,7 @@
 #include "tests/server/journal/failing_vfs.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::journal_failure_test {
 namespace {
 
 using absl::StatusCode;
@@ -156,4 +156,4 @@ TEST_P(FailAtEveryWrite, EveryAcknowledgedEditIsThereAndNoneByHalf) {
 INSTANTIATE_TEST_SUITE_P(OnceAndForGood, FailAtEveryWrite, ::testing::Bool());
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::journal_failure_test

@@ -10,7 +10,7 @@
 #include "tests/server/meshes/mesh_decorator.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::mesh_host_test {
 namespace {
 
 using MeshHostTest = HostFixture;
@@ -453,4 +453,4 @@ TEST_F(MeshHostTest, IsClosedIfItsMeshIsNotAsItShouldBe) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::mesh_host_test

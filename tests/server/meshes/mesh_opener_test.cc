@@ -15,7 +15,7 @@
 #include "server/journal/journal_errors.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::mesh_opener_test {
 namespace {
 
 using Place = SharedJournal::Place;
@@ -262,4 +262,4 @@ TEST_F(MeshOpenerTest, AFreeMeshGoesToANodeThatFollowsIt) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::mesh_opener_test

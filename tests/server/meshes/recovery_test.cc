@@ -17,7 +17,7 @@
 #include "tests/server/journal/durable_registry.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::recovery_test {
 namespace {
 
 using absl::StatusCode;
@@ -445,4 +445,4 @@ TEST_F(OtherBitsTest, AnEmptyMeshHasNone) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::recovery_test

@@ -9,7 +9,7 @@
 #include "dynmesh/slot_mesh.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::watch_filter_test {
 namespace {
 
 Mesh Sorted(Mesh mesh) {
@@ -161,4 +161,4 @@ TEST_F(WatchFilterTest, ProgressTellsTheHashOfThePart) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::watch_filter_test

@@ -10,7 +10,7 @@
 #include "server/revisions/diff_algebra.h"
 #include "tests/server/test_support.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::watch_hub_test {
 namespace {
 
 class WatchHubTest : public ::testing::Test {
@@ -346,4 +346,4 @@ TEST_F(WatchHubTest, NothingIsLostWhileAWriterAndManyWatchersRace) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::watch_hub_test

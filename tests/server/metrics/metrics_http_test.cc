@@ -17,7 +17,7 @@
 #include "server/metrics/http_listener.h"
 #include "tests/server/metrics/http_get.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::metrics_http_test {
 namespace {
 
 class MetricsHttpTest : public ::testing::Test {
@@ -309,4 +309,4 @@ TEST_F(MetricsHttpTest, AddressesAreLoopbackUnlessTheySayOtherwise) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::metrics_http_test

@@ -20,7 +20,7 @@
 #include "tests/server/test_support.h"
 #include "tests/support/temp_folder.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::metrics_test {
 namespace {
 
 TEST(MetricsParser, RefusesWhatIsNotTheFormat) {
@@ -437,4 +437,4 @@ TEST(RecoveryMetricsTest, LongRecoveriesTellHowFarTheyAre) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::metrics_test

@@ -10,7 +10,7 @@
 #include "tests/server/metrics/observe_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::observe_test {
 namespace {
 TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
   StartObserved();  // CreateMesh
@@ -307,4 +307,4 @@ TEST_F(ObserveTest, LinesTellWhoMadeAndDeletedAMesh) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::observe_test

@@ -9,7 +9,7 @@
 #include "tests/server/metrics/observe_fixture.h"
 #include "tests/support/deadline.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::readiness_test {
 namespace {
 
 using ReadinessTest = ObserveTest;
@@ -211,4 +211,4 @@ TEST_F(ReadinessTest, AMetricsPortThatIsTakenIsAnErrorAtTheStart) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::readiness_test

@@ -13,7 +13,7 @@
 #include "tests/support/crafted.h"
 #include "tests/support/same_diff.h"
 
-namespace dynmesh::server {
+namespace dynmesh::server::revision_store_test {
 namespace {
 
 // A random walk of a fake mesh: the mesh and the diff of every revision.
@@ -374,4 +374,4 @@ TEST(RevisionStore, TheNewestDiffIsKeptHoweverLarge) {
 }
 
 }  // namespace
-}  // namespace dynmesh::server
+}  // namespace dynmesh::server::revision_store_test
