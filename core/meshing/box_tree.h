@@ -239,7 +239,8 @@ bool BoxTree<D, Region>::Any(const Point& centre, double radius, double bound, I
         if (!(least < bound)) return false;
         bool beyond = false;
         for (int k = 0; k < D; ++k) {
-          beyond |= !(box.lo[k] <= around.hi[k]) | !(around.lo[k] <= box.hi[k]);
+          beyond |= !(box.lo[k] <= around.hi[k]);
+          beyond |= !(around.lo[k] <= box.hi[k]);
         }
         if (beyond) return false;
         Point middle;

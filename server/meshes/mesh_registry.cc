@@ -17,6 +17,10 @@
 namespace dynmesh::server {
 namespace {
 
+// Attempts to read a mesh at the start: pauses double from the first one on.
+constexpr absl::Duration kFirstPause = absl::Milliseconds(250);
+constexpr absl::Duration kRecoverFor = absl::Seconds(30);
+
 absl::Status MeshExistsError(absl::string_view id) {
   return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kMeshExists, id,
                    "exists already");
@@ -230,10 +234,33 @@ absl::Status MeshRegistry::Recover() {
   return absl::OkStatus();
 }
 
+// A journal that does not answer says nothing about the mesh: a database may be starting again. So
+// the mesh is read again then, for kRecoverFor.
+absl::StatusOr<RecoveredMesh> MeshRegistry::ReadAtStart(const Journal::Mesh& mesh, absl::Time start,
+                                                        RecoveryProgress& progress) {
+  std::uint64_t reported = 0;
+  for (absl::Duration pause = kFirstPause;; pause *= 2) {
+    std::uint64_t applied = 0;
+    absl::StatusOr<RecoveredMesh> found =
+        RecoverMesh(*journal_, mesh, factory_, HostOptions(), [&] {
+          if (++applied <= reported) return;  // by a former attempt
+          reported = applied;
+          progress.Apply();
+        });
+    if (!absl::IsUnavailable(found.status()) || absl::Now() + pause > start + kRecoverFor) {
+      return found;
+    }
+    Log(LogLevel::kWarning, "not_recovered",
+        {{"mesh", mesh.id},
+         {"error", found.status().message()},
+         {"again_in_ms", absl::ToInt64Milliseconds(pause)}});
+    absl::SleepFor(pause);
+  }
+}
+
 void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress) {
   const absl::Time start = absl::Now();
-  absl::StatusOr<RecoveredMesh> found =
-      RecoverMesh(*journal_, mesh, factory_, HostOptions(), [&progress] { progress.Apply(); });
+  absl::StatusOr<RecoveredMesh> found = ReadAtStart(mesh, start, progress);
   if (!found.ok()) {
     Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
     progress.Damage();

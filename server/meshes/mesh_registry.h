@@ -169,6 +169,8 @@ class MeshRegistry {
   static absl::Status DamageOf(absl::string_view id, const absl::Status& status);
   std::string FreshId(const std::string& request_id);
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
+  absl::StatusOr<RecoveredMesh> ReadAtStart(const Journal::Mesh& mesh, absl::Time start,
+                                            RecoveryProgress& progress);
   // Of a shared journal.
   absl::StatusOr<HostPtr> LoadShared(const Journal::Mesh& mesh);
   absl::Status OpenChosen();

@@ -352,6 +352,74 @@ TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
 
 // --- Other bits (kMeshBits) -------------------------------------------------------------
 
+// One whose first reads fail, as while a database starts.
+class UnreachableJournal final : public Journal {
+ public:
+  UnreachableJournal(Journal& inner, int failures, absl::StatusCode code)
+      : inner_(inner), failures_(failures), code_(code) {}
+
+  std::string name() const override { return inner_.name(); }
+  absl::StatusOr<std::vector<Mesh>> List() override { return inner_.List(); }
+  absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override {
+    return inner_.Create(id, description);
+  }
+  absl::Status Delete(Key mesh) override { return inner_.Delete(mesh); }
+  bool Sweep(Key mesh) override { return inner_.Sweep(mesh); }
+  absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                      const std::vector<Request>& requests) override {
+    return inner_.Append(mesh, entries, requests);
+  }
+  // Breaks off behind the first entry.
+  absl::Status Read(Key mesh, const Visitor& visitor) override {
+    if (failures_ == 0) return inner_.Read(mesh, visitor);
+    --failures_;
+    Visitor cut = visitor;
+    int entries = 0;
+    cut.entry = [&](const Entry& entry) {
+      if (++entries > 1) return absl::Status(code_, "the connection was lost");
+      return visitor.entry(entry);
+    };
+    return inner_.Read(mesh, cut);
+  }
+  absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                        const Visitor& visitor) override {
+    return inner_.ReadPast(mesh, from, to, visitor);
+  }
+  absl::StatusOr<std::uint64_t> Oldest(Key mesh) override { return inner_.Oldest(mesh); }
+  using Journal::Compact;
+  absl::Status Compact(Key mesh, std::uint64_t revision, const std::vector<std::string>& parts,
+                       const std::atomic<bool>& stop) override {
+    return inner_.Compact(mesh, revision, parts, stop);
+  }
+
+ private:
+  Journal& inner_;
+  int failures_;
+  const absl::StatusCode code_;
+};
+
+TEST_F(RecoveryTest, AJournalThatDoesNotAnswerForAWhileIsNoDamage) {
+  OpenWithPoints(5);
+  const MeshHash hash = server_->Host()->head().hash;
+  WorkerPool writers(1), readers(1);
+  for (const StatusCode code : {StatusCode::kUnavailable, StatusCode::kDataLoss}) {
+    UnreachableJournal journal(server_->journal(), 2, code);
+    MeshRegistry registry(
+        config_, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); }, &writers,
+        &readers, &journal);
+    ASSERT_TRUE(registry.Recover().ok());
+    const auto host = registry.Find("meshes/m");
+    if (code == StatusCode::kDataLoss) {  // asked once
+      EXPECT_EQ(ReasonOf(host.status()), codec::reason::kMeshDamaged);
+      continue;
+    }
+    ASSERT_TRUE(host.ok()) << host.status();
+    EXPECT_EQ((*host)->head().revision, 5U);
+    EXPECT_EQ((*host)->head().hash, hash);
+    EXPECT_EQ(registry.damaged(), 0U);
+  }
+}
+
 class OtherBitsTest : public RecoveryTest {
  protected:
   // Mesh m as another version's program wrote it: points 1..n, one a batch, hashes {7, revision}.
