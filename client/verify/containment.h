@@ -13,9 +13,9 @@ namespace dynmesh::cli {
 // Inside or on the border of the triangle, which is counter-clockwise; z does not count.
 inline bool Contains(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t,
                      const std::array<double, 3>& place) {
-  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
-  const Point p(place[0], place[1]);
-  std::array<Point, 3> corners;
+  using Corner = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
+  const Corner p(place[0], place[1]);
+  std::array<Corner, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) corners[k] = {mesh.vertices[t[k]].x, mesh.vertices[t[k]].y};
   return CGAL::orientation(corners[0], corners[1], p) != CGAL::NEGATIVE &&
          CGAL::orientation(corners[1], corners[2], p) != CGAL::NEGATIVE &&
@@ -25,9 +25,9 @@ inline bool Contains(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangl
 // The same of a positive tetrahedron.
 inline bool Contains(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t,
                      const std::array<double, 3>& place) {
-  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-  const Point p(place[0], place[1], place[2]);
-  std::array<Point, 4> c;
+  using Corner = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+  const Corner p(place[0], place[1], place[2]);
+  std::array<Corner, 4> c;
   for (std::size_t k = 0; k < 4; ++k) {
     const io::IndexedMesh::Vertex& v = mesh.vertices[t[k]];
     c[k] = {v.x, v.y, v.z};
