@@ -86,7 +86,12 @@ class Daemon {
   // The log of one that did not start.
   int exit_code() const { return exit_code_; }
 
-  void Signal(int signal) const { kill(child_, signal); }
+  void Signal(int signal) const {
+    kill(child_, signal);
+    // Until all its threads are stopped: one may still answer a call after the signal was sent.
+    siginfo_t stopped;
+    if (signal == SIGSTOP) waitid(P_PID, static_cast<id_t>(child_), &stopped, WSTOPPED);
+  }
 
   // The exit code after that signal; -1 if the signal ended it.
   int End(int signal) {
