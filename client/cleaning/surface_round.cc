@@ -15,6 +15,8 @@
 namespace dynmesh::cleaning {
 namespace {
 
+using Vertex = PlaneTriangulation::Vertex;
+
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 // Tests of two lines, or of a node and a triangle, that take as long as one of two simplices.
@@ -423,10 +425,9 @@ std::vector<std::array<Node, 3>> SurfaceRounds::PiecesOf(const Simplex& face,
                                                          const FaceWork& work) const {
   const FaceView view = ViewOf(surface_, face);
   PlaneTriangulation pieces(surface_.nodes.tolerance());
-  absl::flat_hash_map<Node, PlaneTriangulation::Vertex> vertex_of;
+  absl::flat_hash_map<Node, Vertex> vertex_of;
   const auto add = [&](Node v) {
-    const PlaneTriangulation::Vertex vertex =
-        pieces.AddVertex(ShadowOf(surface_.at(v), view.axis), v);
+    const Vertex vertex = pieces.AddVertex(ShadowOf(surface_.at(v), view.axis), v);
     vertex_of.emplace(v, vertex);
     return vertex;
   };
@@ -434,17 +435,17 @@ std::vector<std::array<Node, 3>> SurfaceRounds::PiecesOf(const Simplex& face,
   std::array<Node, 3> v = face.v;
   std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
   if (!view.is_counter_clockwise) std::swap(v[1], v[2]);
-  const std::array<PlaneTriangulation::Vertex, 3> corners = {add(v[0]), add(v[1]), add(v[2])};
+  const std::array<Vertex, 3> corners = {add(v[0]), add(v[1]), add(v[2])};
   pieces.AddTriangle(corners[0], corners[1], corners[2]);
   for (std::size_t k = 0; k < 3; ++k) {
-    const PlaneTriangulation::Vertex from = corners[k], to = corners[(k + 1) % 3];
+    const Vertex from = corners[k], to = corners[(k + 1) % 3];
     const NodePair edge = Ordered(v[k], v[(k + 1) % 3]);
-    PlaneTriangulation::Vertex last = from;
+    Vertex last = from;
     if (const auto it = chains_.find(edge); it != chains_.end()) {
       std::vector<Node> chain = it->second;
       if (edge.first != v[k]) std::reverse(chain.begin(), chain.end());
       for (const Node n : chain) {
-        const PlaneTriangulation::Vertex next = pieces.SplitBorder(last, to, add(n));
+        const Vertex next = pieces.SplitBorder(last, to, add(n));
         pieces.FixEdge(last, next);
         last = next;
       }
@@ -455,7 +456,7 @@ std::vector<std::array<Node, 3>> SurfaceRounds::PiecesOf(const Simplex& face,
   SortUnique(inner);
   for (const Node n : inner) {
     if (vertex_of.contains(n)) continue;
-    const PlaneTriangulation::Vertex vertex = add(n);
+    const Vertex vertex = add(n);
     if (!pieces.Insert(vertex)) vertex_of.erase(n);
   }
   const auto fix = [&](Node p, Node q) {

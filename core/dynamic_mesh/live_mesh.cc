@@ -48,6 +48,14 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
 }
 
 template <int D>
+const MeshOptions& LiveMesh<D>::options() const {
+  return mesh_->options;
+}
+template <int D>
+MeshHash LiveMesh<D>::hash() const {
+  return mesh_->state->diffs.hash();
+}
+template <int D>
 plc::Plc<D>& LiveMesh<D>::plc() {
   return mesh_->plc;
 }
@@ -62,7 +70,8 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Run(const plc::Delta<D>& delta,
                                           Commit commit) {
   const Plan plan = PlanFor(delta, mesh_->plc.size(), mesh_->state->refinement.vertex_count(),
                             mesh_->options.box, mesh_->tuning.rebuild);
-  BatchRun<D> run{mesh_->options, mesh_->tuning, batch.meter, batch.interrupt, batch.most_operations};
+  BatchRun<D> run{mesh_->options, mesh_->tuning, batch.meter, batch.interrupt,
+                  batch.most_operations};
   return Transaction<D>(*mesh_, delta, run, commit).Run(plan);
 }
 
@@ -84,7 +93,7 @@ void LiveMesh<D>::GiveMemoryBack(Interrupt interrupt) {
   const std::size_t operations = mesh_->state->refinement.engine().operation_count();
   const auto is_room = [&] {
     return mesh_->state->refinement.engine().IsMostlyRoom(operations < kSmall ? kPartOfSmall
-                                                                             : kPart);
+                                                                              : kPart);
   };
   if (operations > give_back_at_ || !is_room()) return;
   mesh_->ReplaceState(interrupt);

@@ -50,16 +50,6 @@ std::array<VertexId, D + 1> FirstOfThoseAt(const DiffBuilder<D>& mesh, std::uint
 }  // namespace
 
 template <int D>
-const MeshOptions& LiveMesh<D>::options() const {
-  return mesh_->options;
-}
-
-template <int D>
-MeshHash LiveMesh<D>::hash() const {
-  return mesh_->state->diffs.hash();
-}
-
-template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
   Mesh mesh = mesh_->state->diffs.Snapshot(mesh_->state->refinement, mesh_->state->features);
   mesh.revision = this->revision();
@@ -117,7 +107,8 @@ AuditReport LiveMesh<D>::Audit() const {
   const std::uint64_t trace = meshing::Audit(mesh_->state->refinement, &report.problems);
   report.trace = {trace, mesh_->state->refinement.engine().operation_count()};
   std::string why;
-  if (!mesh_->state->diffs.triangulation().Check(&why)) report.problems.emplace_back("mesh: " + why);
+  if (!mesh_->state->diffs.triangulation().Check(&why))
+    report.problems.emplace_back("mesh: " + why);
   if (!mesh_->state->diffs.CheckLabels()) {
     report.problems.emplace_back("regions of neighbours do not agree with the edges between them");
   }
@@ -156,10 +147,6 @@ std::string LiveMesh<D>::FirstUnreproduced() const {
   return meshing::FirstUnreproduced(mesh_->state->refinement);
 }
 
-template const MeshOptions& LiveMesh<2>::options() const;
-template const MeshOptions& LiveMesh<3>::options() const;
-template MeshHash LiveMesh<2>::hash() const;
-template MeshHash LiveMesh<3>::hash() const;
 template Mesh LiveMesh<2>::Snapshot() const;
 template Mesh LiveMesh<3>::Snapshot() const;
 template SimplexColumn LiveMesh<2>::Locate(std::span<const double>) const;

@@ -11,21 +11,24 @@ using text::Concat;
 
 namespace {
 
+using Index = JsonDocument::Index;
+using Kind = JsonDocument::Kind;
+
 constexpr double kMaxMagnitude = 0x1p200;  // the limit for the box of a mesh
 
-std::string_view NameOf(JsonDocument::Kind kind) {
+std::string_view NameOf(Kind kind) {
   switch (kind) {
-    case JsonDocument::Kind::kNull:
+    case Kind::kNull:
       return "null";
-    case JsonDocument::Kind::kBool:
+    case Kind::kBool:
       return "true or false";
-    case JsonDocument::Kind::kNumber:
+    case Kind::kNumber:
       return "a number";
-    case JsonDocument::Kind::kString:
+    case Kind::kString:
       return "a string";
-    case JsonDocument::Kind::kArray:
+    case Kind::kArray:
       return "an array";
-    case JsonDocument::Kind::kObject:
+    case Kind::kObject:
       return "an object";
   }
   return "";
@@ -33,14 +36,13 @@ std::string_view NameOf(JsonDocument::Kind kind) {
 
 }  // namespace
 
-absl::StatusOr<JsonDocument::Index> Member(const JsonDocument& json, JsonDocument::Index object,
-                                           std::string_view key, JsonDocument::Kind kind,
-                                           std::string_view what) {
-  if (json.kind(object) != JsonDocument::Kind::kObject) {
+absl::StatusOr<Index> Member(const JsonDocument& json, Index object, std::string_view key,
+                             Kind kind, std::string_view what) {
+  if (json.kind(object) != Kind::kObject) {
     return json.Error(object,
                       Concat(what, " must be an object, found ", NameOf(json.kind(object))));
   }
-  const std::optional<JsonDocument::Index> member = json.Find(object, key);
+  const std::optional<Index> member = json.Find(object, key);
   if (!member) return json.Error(object, Concat(what, " has no member \"", key, "\""));
   if (json.kind(*member) != kind) {
     return json.Error(*member, Concat("member \"", key, "\" of ", what, " must be ", NameOf(kind),
@@ -49,48 +51,46 @@ absl::StatusOr<JsonDocument::Index> Member(const JsonDocument& json, JsonDocumen
   return *member;
 }
 
-absl::StatusOr<std::string_view> TypeOf(const JsonDocument& json, JsonDocument::Index object,
+absl::StatusOr<std::string_view> TypeOf(const JsonDocument& json, Index object,
                                         std::string_view what) {
-  const absl::StatusOr<JsonDocument::Index> type =
-      Member(json, object, "type", JsonDocument::Kind::kString, what);
+  const absl::StatusOr<Index> type = Member(json, object, "type", Kind::kString, what);
   if (!type.ok()) return type.status();
   return std::string_view(json.text(*type));
 }
 
-absl::Status ExpectArray(const JsonDocument& json, JsonDocument::Index v, std::string_view what) {
-  if (json.kind(v) == JsonDocument::Kind::kArray) return absl::OkStatus();
+absl::Status ExpectArray(const JsonDocument& json, Index v, std::string_view what) {
+  if (json.kind(v) == Kind::kArray) return absl::OkStatus();
   return json.Error(v, Concat(what, " must be an array, found ", NameOf(json.kind(v))));
 }
 
-PolygonName NamesOf(const JsonDocument& json, JsonDocument::Index object) {
-  const auto text = [&](JsonDocument::Index of, std::string_view key) -> std::string {
-    const std::optional<JsonDocument::Index> member = json.Find(of, key);
-    if (member && json.kind(*member) == JsonDocument::Kind::kString) return json.text(*member);
-    if (member && json.kind(*member) == JsonDocument::Kind::kNumber)
-      return FormatDouble(json.number(*member));
+PolygonName NamesOf(const JsonDocument& json, Index object) {
+  const auto text = [&](Index of, std::string_view key) -> std::string {
+    const std::optional<Index> member = json.Find(of, key);
+    if (member && json.kind(*member) == Kind::kString) return json.text(*member);
+    if (member && json.kind(*member) == Kind::kNumber) return FormatDouble(json.number(*member));
     return "";
   };
   PolygonName names;
   names.key = text(object, "id");
-  const std::optional<JsonDocument::Index> properties = json.Find(object, "properties");
-  if (properties && json.kind(*properties) == JsonDocument::Kind::kObject) {
+  const std::optional<Index> properties = json.Find(object, "properties");
+  if (properties && json.kind(*properties) == Kind::kObject) {
     names.name = text(*properties, "name");
   }
   return names;
 }
 
-std::size_t Count(const JsonDocument& json, JsonDocument::Index v) {
+std::size_t Count(const JsonDocument& json, Index v) {
   std::size_t count = 0;
-  for (JsonDocument::Index i = json.First(v); i < json.End(v); i = json.Next(v, i)) ++count;
+  for (Index i = json.First(v); i < json.End(v); i = json.Next(v, i)) ++count;
   return count;
 }
 
-absl::StatusOr<Position> ReadPosition(const JsonDocument& json, JsonDocument::Index v) {
+absl::StatusOr<Position> ReadPosition(const JsonDocument& json, Index v) {
   if (auto status = ExpectArray(json, v, "a position"); !status.ok()) return status;
   Position position;
   std::size_t count = 0;
-  for (JsonDocument::Index i = json.First(v); i < json.End(v); i = json.Next(v, i), ++count) {
-    if (json.kind(i) != JsonDocument::Kind::kNumber) {
+  for (Index i = json.First(v); i < json.End(v); i = json.Next(v, i), ++count) {
+    if (json.kind(i) != Kind::kNumber) {
       return json.Error(i, Concat("a coordinate must be a number, found ", NameOf(json.kind(i))));
     }
     if (count < 2) position.at[count] = json.number(i);
@@ -102,8 +102,7 @@ absl::StatusOr<Position> ReadPosition(const JsonDocument& json, JsonDocument::In
   return position;
 }
 
-absl::Status CheckMagnitude(const JsonDocument& json, JsonDocument::Index v,
-                            const std::array<double, 2>& at) {
+absl::Status CheckMagnitude(const JsonDocument& json, Index v, const std::array<double, 2>& at) {
   for (const double x : at) {
     if (!(std::abs(x) <= kMaxMagnitude)) {
       return json.Error(v, Concat("the coordinate ", FormatDouble(x),

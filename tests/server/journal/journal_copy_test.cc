@@ -11,6 +11,7 @@
 #include "server/journal/mesh_import.h"
 #include "server/journal/whole_reading.h"
 #include "tests/server/journal/copy_fixture.h"
+#include "tests/server/journal/forwarding_journal.h"
 
 namespace dynmesh::server {
 namespace {
@@ -48,13 +49,12 @@ class JournalCopyTest : public ::testing::Test {
 };
 
 // A target whose writes fail from the n-th on, as if the program had ended there.
-class EndingJournal final : public Journal, public MeshImport {
+class EndingJournal final : public ForwardingJournal, public MeshImport {
  public:
-  EndingJournal(SqliteJournal& journal, int writes) : journal_(journal), left_(writes) {}
+  EndingJournal(SqliteJournal& journal, int writes)
+      : ForwardingJournal(journal), journal_(journal), left_(writes) {}
   bool ended() const { return left_ < 0; }
 
-  std::string name() const override { return journal_.name(); }
-  absl::StatusOr<std::vector<Mesh>> List() override { return journal_.List(); }
   absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Gone(); }
   absl::Status Delete(Key) override { return Gone(); }
   bool Sweep(Key) override { return false; }
@@ -63,13 +63,12 @@ class EndingJournal final : public Journal, public MeshImport {
     return Gone();
   }
   absl::Status Read(Key mesh, const Visitor& visitor) override {
-    return ended() ? Gone() : journal_.Read(mesh, visitor);
+    return ended() ? Gone() : ForwardingJournal::Read(mesh, visitor);
   }
   absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                         const Visitor& visitor) override {
-    return ended() ? Gone() : journal_.ReadPast(mesh, from, to, visitor);
+    return ended() ? Gone() : ForwardingJournal::ReadPast(mesh, from, to, visitor);
   }
-  absl::StatusOr<std::uint64_t> Oldest(Key mesh) override { return journal_.Oldest(mesh); }
   using Journal::Compact;
   absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&,
                        const std::atomic<bool>&) override {

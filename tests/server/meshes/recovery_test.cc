@@ -15,6 +15,7 @@
 #include "server/base/log.h"
 #include "server/meshes/revert_plan.h"
 #include "tests/server/journal/durable_registry.h"
+#include "tests/server/journal/forwarding_journal.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::server::recovery_test {
@@ -353,25 +354,14 @@ TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
 // --- Other bits (kMeshBits) -------------------------------------------------------------
 
 // One whose first reads fail, as while a database starts.
-class UnreachableJournal final : public Journal {
+class UnreachableJournal final : public ForwardingJournal {
  public:
-  UnreachableJournal(Journal& inner, int failures, absl::StatusCode code)
-      : inner_(inner), failures_(failures), code_(code) {}
+  UnreachableJournal(Journal& inner, int failures, StatusCode code)
+      : ForwardingJournal(inner), failures_(failures), code_(code) {}
 
-  std::string name() const override { return inner_.name(); }
-  absl::StatusOr<std::vector<Mesh>> List() override { return inner_.List(); }
-  absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override {
-    return inner_.Create(id, description);
-  }
-  absl::Status Delete(Key mesh) override { return inner_.Delete(mesh); }
-  bool Sweep(Key mesh) override { return inner_.Sweep(mesh); }
-  absl::Status Append(Key mesh, const std::vector<Entry>& entries,
-                      const std::vector<Request>& requests) override {
-    return inner_.Append(mesh, entries, requests);
-  }
   // Breaks off behind the first entry.
   absl::Status Read(Key mesh, const Visitor& visitor) override {
-    if (failures_ == 0) return inner_.Read(mesh, visitor);
+    if (failures_ == 0) return ForwardingJournal::Read(mesh, visitor);
     --failures_;
     Visitor cut = visitor;
     int entries = 0;
@@ -379,23 +369,12 @@ class UnreachableJournal final : public Journal {
       if (++entries > 1) return absl::Status(code_, "the connection was lost");
       return visitor.entry(entry);
     };
-    return inner_.Read(mesh, cut);
-  }
-  absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
-                        const Visitor& visitor) override {
-    return inner_.ReadPast(mesh, from, to, visitor);
-  }
-  absl::StatusOr<std::uint64_t> Oldest(Key mesh) override { return inner_.Oldest(mesh); }
-  using Journal::Compact;
-  absl::Status Compact(Key mesh, std::uint64_t revision, const std::vector<std::string>& parts,
-                       const std::atomic<bool>& stop) override {
-    return inner_.Compact(mesh, revision, parts, stop);
+    return ForwardingJournal::Read(mesh, cut);
   }
 
  private:
-  Journal& inner_;
   int failures_;
-  const absl::StatusCode code_;
+  const StatusCode code_;
 };
 
 TEST_F(RecoveryTest, AJournalThatDoesNotAnswerForAWhileIsNoDamage) {
