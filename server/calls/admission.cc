@@ -58,6 +58,10 @@ std::string ShareText(const SharedLimit& limit) {
 
 }  // namespace
 
+std::string SharingClient(const ServiceContext& context, const Pass& pass) {
+  return IsShared(context) ? pass.client() : std::string();
+}
+
 absl::StatusOr<SharedLimit::Place> TakePlace(ServiceContext& context, SharedLimit& limit,
                                              const Pass& pass) {
   bool is_share = false;

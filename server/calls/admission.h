@@ -87,6 +87,9 @@ absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
 // The clients that have most of a limit, by its name in an error's metadata; "" if there is none.
 std::string HoldersOf(const ServiceContext& context, absl::string_view limit);
 
+// The client, if it shares the server with others; "" if there is one client only.
+std::string SharingClient(const ServiceContext& context, const Pass& pass);
+
 // RESOURCE_EXHAUSTED: STREAM_LIMIT, or CLIENT_STREAM_LIMIT if the client has its share of `limit`.
 // Both have the limit's name in the metadata as `limit`.
 absl::StatusOr<SharedLimit::Place> TakePlace(ServiceContext& context, SharedLimit& limit,

@@ -126,6 +126,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
   }
 
   absl::Status Apply(MeshHost& host, EditJob job) {
+    job.client = SharingClient(context_, pass_);
     job.cancelled = withdrawal_.cancelled();
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));

@@ -109,6 +109,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     };
     // Held here: after the submission the call may be gone.
     const auto held = self_;
+    job_.client = SharingClient(context_, pass_);
     if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) Answer(s);
   }
 

@@ -13,10 +13,12 @@ namespace {
 // Waits for its turn among the edits, unless it is cancelled. Frees itself.
 class LocateCall final : public grpc::ServerUnaryReactor {
  public:
-  LocateCall(const MeshRegistry& meshes, Forwarder& forwarder, WorkGate::Ticket ticket,
-             v1::LocatePointsResponse* response, grpc::CallbackServerContext* rpc)
+  LocateCall(const MeshRegistry& meshes, Forwarder& forwarder, std::string client,
+             WorkGate::Ticket ticket, v1::LocatePointsResponse* response,
+             grpc::CallbackServerContext* rpc)
       : meshes_(meshes),
         forwarder_(forwarder),
+        client_(std::move(client)),
         ticket_(std::move(ticket)),
         response_(response),
         rpc_(rpc) {}
@@ -34,9 +36,9 @@ class LocateCall final : public grpc::ServerUnaryReactor {
     withdrawal_.Take(*host);
     const auto cancelled =
         withdrawal_.cancelled();  // after the submission the call may be answered and gone
-    status =
-        (*host)->Locate({request.coordinates().begin(), request.coordinates().end()}, cancelled,
-                        [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
+    status = (*host)->Locate(
+        {request.coordinates().begin(), request.coordinates().end()}, cancelled,
+        [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); }, client_);
     if (!status.ok()) return Finish(codec::ToGrpcStatus(status));
     if (cancelled->load()) (*host)->Withdraw(cancelled);
   }
@@ -61,6 +63,7 @@ class LocateCall final : public grpc::ServerUnaryReactor {
   Forwarder& forwarder_;
   Withdrawal withdrawal_;
   bool may_be_old_ = false;
+  const std::string client_;  // as SharingClient
   WorkGate::Ticket ticket_;
   v1::LocatePointsResponse* const response_;  // as rpc_
   grpc::CallbackServerContext* const rpc_;    // valid until the call is finished
@@ -70,10 +73,11 @@ class LocateCall final : public grpc::ServerUnaryReactor {
 
 grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& forwarder,
                                           const v1::LocatePointsRequest& request,
-                                          v1::LocatePointsResponse* response,
+                                          v1::LocatePointsResponse* response, const Pass& pass,
                                           WorkGate::Ticket ticket,
                                           grpc::CallbackServerContext* rpc) {
-  auto* call = new LocateCall(*context.registry, forwarder, std::move(ticket), response, rpc);
+  auto* call = new LocateCall(*context.registry, forwarder, SharingClient(context, pass),
+                              std::move(ticket), response, rpc);
   context.registry->OpenToRead(request.mesh(), AskingOf(*rpc), MinRevisionOf(request),
                                [call, &request](const absl::StatusOr<MeshRegistry::HostPtr>& host) {
                                  call->Begin(request, host);

@@ -15,7 +15,7 @@ namespace dynmesh::server {
 // call is finished.
 grpc::ServerUnaryReactor* StartLocateCall(ServiceContext& context, Forwarder& forwarder,
                                           const v1::LocatePointsRequest& request,
-                                          v1::LocatePointsResponse* response,
+                                          v1::LocatePointsResponse* response, const Pass& pass,
                                           WorkGate::Ticket ticket,
                                           grpc::CallbackServerContext* rpc);
 

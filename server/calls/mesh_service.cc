@@ -410,7 +410,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   if (!pass.ok()) return Finished(call, pass.status());
   const auto ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
-  return StartLocateCall(context_, forwarder_, *request, response, *ticket, call);
+  return StartLocateCall(context_, forwarder_, *request, response, *pass, *ticket, call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(

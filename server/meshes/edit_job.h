@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "server/access/quota.h"
 #include "server/meshes/batch_progress.h"
 #include "server/metrics/server_metrics.h"
 #include "server/revisions/diff_algebra.h"
@@ -31,7 +32,10 @@ inline std::size_t BytesOf(const EditOutcome& outcome) { return ByteSize(*outcom
 struct EditJob {
   EditBatch edits;
   std::string request_id;
-  std::string call_id;                    // of its call, for the log
+  std::string call_id;  // of its call, for the log
+  // As in Pass::client(): has half of the places where batches wait at most. Empty: may have all.
+  std::string client;
+  std::shared_ptr<Lease> waiting;         // the client's place, while the job waits; may be null
   EditSource source = EditSource::kEdit;  // for metrics
   std::optional<std::uint64_t> expected_revision;
   bool validate_only = false;

@@ -32,6 +32,18 @@ absl::Status QueueFull(std::size_t waiting) {
       absl::StrCat(waiting, " requests wait for this mesh already: try again later"), error);
 }
 
+absl::Status ShareFull(absl::string_view client, std::uint64_t share, std::size_t limit) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kQueueFull;
+  error.metadata["client"] = std::string(client);
+  error.retry_after = kRetryAfter;
+  return codec::MakeServiceError(
+      absl::StatusCode::kResourceExhausted,
+      absl::StrCat("this client has its share of the requests that may wait for this mesh, ", share,
+                   " of ", limit, ": wait for the answers to those it has sent"),
+      error);
+}
+
 absl::Status CancelledInTime() {
   return absl::CancelledError("the call was cancelled before its turn: nothing changed");
 }
@@ -87,6 +99,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       mesh_options_(mesh->options()),
       create_time_(now),
       max_waiting_(options.max_waiting),
+      waiting_(options.max_waiting - options.max_waiting / 2),
       metrics_(options.metrics),
       max_features_(options.max_features),
       max_operations_(options.max_operations),
@@ -121,6 +134,9 @@ absl::Status MeshHost::Apply(EditJob job) {
   const auto self = shared_from_this();  // the job may finish and release the last other reference
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
+  absl::StatusOr<Lease> place = TakeWaiting(shared->client);
+  if (!place.ok()) return place.status();
+  if (*place) shared->waiting = std::make_shared<Lease>(*std::move(place));
   if (!queue_->TryPost([self, shared] { self->Run(shared); }, max_waiting_, OwnerOf(shared))) {
     return QueueFull(max_waiting_);
   }
@@ -134,6 +150,13 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   const auto cancelled = shared->cancelled;
   queue_->Post([self, shared] { self->Run(shared); }, OwnerOf(shared));
   WithdrawIfCancelled(cancelled);
+}
+
+absl::StatusOr<Lease> MeshHost::TakeWaiting(absl::string_view client) {
+  if (client.empty()) return Lease();
+  Lease place = waiting_.Take(client);
+  if (!place) return ShareFull(client, waiting_.limit(), max_waiting_);
+  return place;
 }
 
 // The flag may have turned true before the job was queued.
@@ -154,13 +177,21 @@ TaskOwner MeshHost::OwnerOf(std::shared_ptr<EditJob> job) {
 
 absl::Status MeshHost::Locate(std::vector<double> points,
                               std::shared_ptr<const std::atomic<bool>> cancelled,
-                              std::function<void(absl::StatusOr<LocateAnswer>)> done) {
-  auto shared = std::make_shared<std::vector<double>>(std::move(points));
+                              std::function<void(absl::StatusOr<LocateAnswer>)> done,
+                              absl::string_view client) {
+  struct Waiting {
+    std::vector<double> points;
+    Lease place;
+  };
+  absl::StatusOr<Lease> place = TakeWaiting(client);
+  if (!place.ok()) return place.status();
+  auto shared = std::make_shared<Waiting>(Waiting{std::move(points), *std::move(place)});
   const auto task = [self = shared_from_this(), shared, done] {
     if (!self->IsWritten()) return;
+    shared->place.Release();
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
-    done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared),
-                      self->mesh_->LeafSides(*shared)});
+    done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(shared->points),
+                      self->mesh_->LeafSides(shared->points)});
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
   return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
@@ -216,6 +247,7 @@ MeshStats MeshHost::stats() const {
 
 void MeshHost::Run(const std::shared_ptr<EditJob>& job) {
   if (!IsItsTurn(*job)) return;
+  job->waiting.reset();
   const std::uint64_t before = mesh_->revision();
   HeldEdit edit(job);
   activity_.BeginApply(*job);

@@ -41,6 +41,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "server/access/client_quotas.h"
 #include "server/base/memory_guard.h"
 #include "server/base/mesh_name.h"
 #include "server/base/worker_pool.h"
@@ -106,16 +107,18 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
                                           const Options& options, Past past = {});
   ~MeshHost();
 
-  // Submits a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), without a call of `done`, if too many wait.
+  // Submits a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), without a call of `done`, if too many wait,
+  // or half as many of the job's client (`client` in the metadata).
   absl::Status Apply(EditJob job);
   // The same without that limit, for callers with a limit of their own.
   void ApplyUnbounded(EditJob job);
 
   // DynamicMesh::Locate, in turn with the edits. `done` is called on the strand or by Withdraw.
-  // `cancelled` may be null.
+  // `cancelled` may be null. `client` as in EditJob; errors as of Apply.
   absl::Status Locate(std::vector<double> points,
                       std::shared_ptr<const std::atomic<bool>> cancelled,
-                      std::function<void(absl::StatusOr<LocateAnswer>)> done);
+                      std::function<void(absl::StatusOr<LocateAnswer>)> done,
+                      absl::string_view client = {});
 
   // The features at a revision; default: the present one. With a journal they are read on a
   // reader's thread and block no other call. Without one, in turn with the edits and the present
@@ -182,6 +185,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
            WorkerPool* readers, const Options& options, Past past);
 
   TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
+  // A place among those that wait; empty for an empty `client`. Else QUEUE_FULL.
+  absl::StatusOr<Lease> TakeWaiting(absl::string_view client);
   void WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled);
   // On the strand.
   void Run(const std::shared_ptr<EditJob>& job);
@@ -233,6 +238,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const MeshOptions mesh_options_;
   const absl::Time create_time_;
   const std::size_t max_waiting_;
+  ClientQuotas waiting_;  // of those, by client
   EditMetrics* const metrics_;
   const std::uint64_t max_features_, max_operations_;
   const MemoryGuard* const memory_;

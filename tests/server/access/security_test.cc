@@ -2,7 +2,9 @@
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <set>
+#include <thread>
 
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
@@ -259,6 +261,7 @@ class ShareTest : public TokenTest {
     config.max_builds = 4;
     config.max_batch_edits = 10;
     config.max_pending_edits = 40;
+    config.max_waiting_edits = 4;
     std::vector<std::string> lines;
     for (const std::string& token : tokens) lines.push_back(Line(token, "admin=*"));
     StartWithTokens(lines, config);
@@ -331,6 +334,41 @@ TEST_F(ShareTest, EditsThatWaitCountFromTheFirstPartOfABatch) {
   EXPECT_TRUE(As("other")->Apply("m", {AddPoint(2), AddPoint(3)}).ok());
   Cancel(builds);
   test::WaitUntil("the places", [&] { return As("greedy")->Apply("m", {AddPoint(1)}).ok(); });
+}
+
+TEST_F(ShareTest, OfThePlacesBehindAnEditOneClientGetsHalf) {
+  Start({"greedy", "other"});
+  gate_->Hold();
+  std::vector<std::thread> editors;
+  std::atomic<int> done = 0;
+  const auto edit = [&](const std::string& token, FeatureId id) {
+    editors.emplace_back([this, token, id, &done] {
+      EXPECT_TRUE(As(token)->Apply("m", {AddPoint(id)}).ok());
+      ++done;
+    });
+  };
+  const auto host = Host();
+  edit("greedy", 1);
+  gate_->WaitForArrivals(1);
+  edit("greedy", 2);
+  edit("greedy", 3);
+  test::WaitUntil("two that wait", [&] { return host->waiting() == 2; });
+  const absl::Status refused = As("greedy")->Apply("m", {AddPoint(4)}).status();
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kQueueFull) << refused;
+  EXPECT_EQ(codec::GetServiceError(refused)->metadata.at("client"), "token greedy");
+  EXPECT_NE(Text(refused).find("2 of 4"), std::string::npos) << Text(refused);
+  const std::vector<double> point = {0.5, 0.5};
+  const absl::Status query = As("greedy")->Locate("m", 2, point).status();
+  EXPECT_EQ(ReasonOf(query), codec::reason::kQueueFull) << query;
+  edit("other", 5);
+  edit("other", 6);
+  test::WaitUntil("four that wait", [&] { return host->waiting() == 4; });
+  const absl::Status of_all = As("other")->Apply("m", {AddPoint(7)}).status();
+  EXPECT_EQ(ReasonOf(of_all), codec::reason::kQueueFull) << of_all;
+  EXPECT_EQ(done, 0);
+  gate_->Release();
+  for (std::thread& editor : editors) editor.join();
+  EXPECT_TRUE(As("greedy")->Apply("m", {AddPoint(4)}).ok());
 }
 
 TEST_F(ShareTest, ASingleTokenMayHaveAll) {
