@@ -92,7 +92,8 @@ void DivideByMarkers(const io::FeatureLabels& labels, std::vector<Feature>& feat
 // Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
 absl::Status Merge(const std::string& path, const InputFlags& flags,
                    const std::function<std::string(FeatureId)>& where, Input& input) {
-  const double limit = plc::CloseLimit(input.options);
+  // Coordinates out of range are refused with their feature, by this or by the mesh.
+  const double limit = ValidateOptions(input.options).ok() ? plc::CloseLimit(input.options) : 0;
   FeatureId last = 0;
   for (const Feature& f : input.features) last = std::max(last, f.id);
   DivideByMarkers(*input.labels, input.features);
