@@ -1,5 +1,6 @@
 #include "server/flags.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "absl/time/time.h"
+#include "dynmesh/version.h"
 #include "server/base/log.h"
 
 namespace dynmesh::server {
@@ -358,6 +360,15 @@ std::optional<int> ParseFlags(CLI::App& app, int argc, const char* const* argv) 
     return 2;
   }
   return std::nullopt;
+}
+
+std::optional<int> ReadFlags(int argc, const char* const* argv, Flags& flags) {
+  CLI::App app{
+      "dynmeshd: serves dynamic meshes over gRPC. They live in memory only, without --data-dir or "
+      "--journal."};
+  app.set_version_flag("--version", std::string("dynmeshd ") + kVersion);
+  AddFlags(app, flags);
+  return ParseFlags(app, argc, argv);
 }
 
 }  // namespace dynmesh::server

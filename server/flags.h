@@ -3,13 +3,16 @@
 #ifndef DYNMESH_SERVER_FLAGS_H_
 #define DYNMESH_SERVER_FLAGS_H_
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/config/config.h"
+
+namespace CLI {
+class App;
+}
 
 namespace dynmesh::server {
 
@@ -25,7 +28,10 @@ struct Flags {
   std::string log_level = "info";
 };
 
-// `flags` outlives the parsing.
+// Reads the command line, and the configuration file that it names. Returns as ParseFlags.
+std::optional<int> ReadFlags(int argc, const char* const* argv, Flags& flags);
+
+// The two parts of ReadFlags, for tests. `flags` outlives the parsing.
 void AddFlags(CLI::App& app, Flags& flags);
 
 // Parses. Returns nothing if the program continues, else its exit code after the reason was

@@ -3,7 +3,6 @@
 // the end.
 #include <signal.h>
 
-#include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <cstdio>
 #include <fstream>
@@ -16,7 +15,6 @@
 #include "absl/time/time.h"
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
-#include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/base/bus_error.h"
 #include "server/base/log.h"
@@ -201,13 +199,8 @@ int main(int argc, char** argv) {
   dynmesh::server::RaiseDescriptorLimit();
   dynmesh::server::TellBusErrors();
   static Signals signals;
-  CLI::App app{
-      "dynmeshd: serves dynamic meshes over gRPC. They live in memory only, without --data-dir or "
-      "--journal."};
-  app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::kVersion);
   Flags flags;
-  dynmesh::server::AddFlags(app, flags);
-  if (const auto code = dynmesh::server::ParseFlags(app, argc, argv)) return *code;
+  if (const auto code = dynmesh::server::ReadFlags(argc, argv, flags)) return *code;
   if (absl::Status s = dynmesh::server::SetLogLevel(flags.log_level); !s.ok()) return Fail(2, s);
   if (!flags.copy_journal.empty() || !flags.copy_meshes.empty()) return Copy(flags, signals);
   return Serve(flags, signals);

@@ -348,7 +348,9 @@ class Packages(Folder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", cls.folder, umask=0o022)
+        # gzip: the packages are not kept, and xz takes half a minute.
+        run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", cls.folder,
+            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", umask=0o022)
         cls.debs = {path.name.split("_")[0]: path for path in cls.folder.glob("*.deb")}
 
     def listing(self, package):
