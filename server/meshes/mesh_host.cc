@@ -226,7 +226,7 @@ absl::StatusOr<FeaturesAt> MeshHost::PresentFeatures(std::optional<std::uint64_t
 
 void MeshHost::Close(const absl::Status& status) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     closed_ = status;
   }
   ended_ = true;
@@ -236,12 +236,12 @@ void MeshHost::Close(const absl::Status& status) {
 }
 
 absl::Status MeshHost::closed() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return closed_;
 }
 
 MeshStats MeshHost::stats() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return stats_;
 }
 
@@ -440,7 +440,7 @@ void MeshHost::StepDown(const absl::Status& why) {
 absl::Status MeshHost::Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff) {
   if (diff->from_revision != diff->to_revision) {
     if (absl::Status status = store_->Append(diff); !status.ok()) return Lose(status.message());
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stats_ = edit.stats;
   }
   if (!edit.job->request_id.empty()) requests_.Remember(edit.job->request_id, edit.answer);

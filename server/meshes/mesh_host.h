@@ -30,7 +30,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,6 +39,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/access/client_quotas.h"
 #include "server/base/memory_guard.h"
@@ -266,9 +266,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   std::atomic<bool> follows_;
   std::atomic<bool> ended_{false};  // closed: nothing more is to be followed
   RevisionWaiters waiters_;
-  mutable std::mutex mutex_;
-  MeshStats stats_;
-  absl::Status closed_;
+  mutable Mutex mutex_;
+  MeshStats stats_ ABSL_GUARDED_BY(mutex_);
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);
   BatchActivity activity_;
 };
 

@@ -65,7 +65,7 @@ absl::Status MeshHost::TakeEntry(const Journal::Entry& entry) {
       !s.ok()) {
     return at(s.message());
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   stats_ = mesh_->Stats();
   return absl::OkStatus();
 }
