@@ -3,16 +3,15 @@
 // the end.
 #include <signal.h>
 
-#include <condition_variable>
 #include <cstdio>
 #include <fstream>
-#include <mutex>
 #include <string>
 #include <thread>
 
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/access/acceptor.h"
@@ -26,6 +25,9 @@
 
 namespace {
 
+using dynmesh::CondVar;
+using dynmesh::Mutex;
+using dynmesh::MutexLock;
 using dynmesh::server::Flags;
 using dynmesh::server::Server;
 
@@ -59,18 +61,18 @@ class Signals {
 
   // From now on a signal drains `server` instead of ending the process.
   void Serves(Server* server) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     server_ = server;
   }
   // The exit code of a signal that comes before it serves; 0 unless it is set.
   void EndsWith(int code) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     idle_code_ = code;
   }
   // Blocks until a signal asks the process to end. A second one ends the process at once.
   void WaitForEnd() {
-    std::unique_lock lock(mutex_);
-    ended_.wait(lock, [this] { return ending_; });
+    const MutexLock lock(mutex_);
+    ended_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return ending_; });
     server_ = nullptr;
   }
 
@@ -78,7 +80,7 @@ class Signals {
   void Run() {
     int signal = 0;
     while (sigwait(&signals_, &signal) == 0) {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (signal == SIGHUP) {
         if (server_ != nullptr) server_->Reload();
       } else if (ending_) {
@@ -87,17 +89,17 @@ class Signals {
         std::_Exit(idle_code_);  // no call has been answered yet
       } else {
         ending_ = true;
-        ended_.notify_one();
+        ended_.NotifyOne();
       }
     }
   }
 
   sigset_t signals_;
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  Server* server_ = nullptr;  // while it serves
-  bool ending_ = false;
-  int idle_code_ = 0;
+  Mutex mutex_;
+  CondVar ended_;
+  Server* server_ ABSL_GUARDED_BY(mutex_) = nullptr;  // while it serves
+  bool ending_ ABSL_GUARDED_BY(mutex_) = false;
+  int idle_code_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 // After --drain-timeout, for calls to be cancelled and for the write that the disk or the database

@@ -6,10 +6,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,6 +17,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
+#include "core/base/mutex.h"
 #include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/access/access.h"
@@ -124,22 +123,24 @@ class Ticker {
  public:
   explicit Ticker(std::function<void()> tick)
       : thread_([this, run = std::move(tick)] {
-          std::unique_lock lock(mutex_);
-          while (!stop_.wait_for(lock, kTick, [this] { return stopped_; })) run();
+          const MutexLock lock(mutex_);
+          while (!stop_.WaitFor(
+              mutex_, kTick, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopped_; }))
+            run();
         }) {}
   ~Ticker() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       stopped_ = true;
     }
-    stop_.notify_all();
+    stop_.NotifyAll();
     thread_.join();
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable stop_;
-  bool stopped_ = false;
+  Mutex mutex_;
+  CondVar stop_;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 
@@ -355,8 +356,8 @@ struct Server::Impl {
   std::unique_ptr<grpc::Server> server;
   int port = 0;
   std::unique_ptr<Ticker> ticker;
-  std::mutex drain_mutex;
-  bool drained = false;
+  Mutex drain_mutex;
+  bool drained ABSL_GUARDED_BY(drain_mutex) = false;
   // The answer of /readyz; empty: ready.
   std::atomic<const char*> not_ready{"recovering"};
   std::unique_ptr<MetricsHttp> http;
@@ -425,7 +426,7 @@ ConnectionTable::Counts Server::connections() const {
 }
 
 bool Server::Drain(absl::Duration limit) {
-  const std::lock_guard lock(impl_->drain_mutex);
+  const MutexLock lock(impl_->drain_mutex);
   if (impl_->drained) return true;
   impl_->drained = true;
   const absl::Time start = absl::Now();

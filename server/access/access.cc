@@ -98,7 +98,7 @@ Access::Stream& Access::Stream::operator=(Stream&& other) noexcept {
 
 void Access::Stream::Close() {
   if (access_ == nullptr) return;
-  const std::lock_guard lock(access_->mutex_);
+  const MutexLock lock(access_->mutex_);
   access_->streams_.erase(key_);
   access_ = nullptr;
 }
@@ -107,10 +107,15 @@ absl::StatusOr<std::unique_ptr<Access>> Access::Create(const std::string& tokens
                                                        double requests_per_second) {
   std::unique_ptr<Access> access(new Access(tokens_file, requests_per_second));
   if (tokens_file.empty()) return access;
-  access->stamp_ = StampOf(tokens_file);
+  const FileStamp stamp = StampOf(tokens_file);
   absl::StatusOr<TokenTable> table = access->Read();
   if (!table.ok()) return table.status();
-  access->SetTable(*std::move(table));
+  {
+    const MutexLock reloading(access->reload_mutex_);
+    access->stamp_ = stamp;
+    const MutexLock lock(access->mutex_);
+    access->SetTable(*std::move(table));
+  }
   return access;
 }
 
@@ -131,7 +136,7 @@ void Access::SetTable(TokenTable table) {
 absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
   std::shared_ptr<const TokenTable> table;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     table = table_;
   }
   Pass pass;
@@ -167,7 +172,7 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
                                             Cancel cancel) {
   Stream stream;
   if (pass.token_ == nullptr) return stream;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   // The tokens may have been reloaded since the pass was made.
   Pass now;
   now.client_ = pass.client_;
@@ -184,7 +189,7 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
 
 void Access::ReloadIfChanged(absl::Time now) {
   if (tokens_file_.empty()) return;
-  const std::lock_guard reloading(reload_mutex_);
+  const MutexLock reloading(reload_mutex_);
   const FileStamp stamp = StampOf(tokens_file_);
   if (std::exchange(last_seen_, stamp) != stamp) changed_ = now;
   if (stamp != stamp_ && now - changed_ >= kSettled) ReadAgain(stamp);
@@ -192,7 +197,7 @@ void Access::ReloadIfChanged(absl::Time now) {
 
 void Access::Reload() {
   if (tokens_file_.empty()) return;
-  const std::lock_guard reloading(reload_mutex_);
+  const MutexLock reloading(reload_mutex_);
   ReadAgain(StampOf(tokens_file_));
 }
 
@@ -204,9 +209,10 @@ void Access::ReadAgain(const FileStamp& stamp) {
         {{"error", table.status().message()}, {"message", "the former tokens stay"}});
     return;
   }
+  const std::size_t tokens = table->size();
   std::size_t ended = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     SetTable(*std::move(table));
     for (auto& [key, entry] : streams_) {
       const std::shared_ptr<const Token> token = Current(*entry.token);
@@ -216,7 +222,7 @@ void Access::ReadAgain(const FileStamp& stamp) {
       ++ended;
     }
   }
-  Log(LogLevel::kInfo, "tokens_reloaded", {{"tokens", table_->size()}, {"streams_ended", ended}});
+  Log(LogLevel::kInfo, "tokens_reloaded", {{"tokens", tokens}, {"streams_ended", ended}});
 }
 
 }  // namespace dynmesh::server

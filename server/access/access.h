@@ -15,7 +15,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -23,6 +22,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/access/file_stamp.h"
 #include "server/access/rate_limit.h"
 #include "server/access/tokens.h"
@@ -113,22 +113,25 @@ class Access {
   Access(std::string tokens_file, double requests_per_second)
       : tokens_file_(std::move(tokens_file)), rate_(requests_per_second) {}
   absl::StatusOr<TokenTable> Read() const;
-  void SetTable(TokenTable table);
-  void ReadAgain(const FileStamp& stamp);
+  void SetTable(TokenTable table) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ReadAgain(const FileStamp& stamp) ABSL_EXCLUSIVE_LOCKS_REQUIRED(reload_mutex_)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // The present token with that hash.
-  std::shared_ptr<const Token> Current(const Token& token) const;
+  std::shared_ptr<const Token> Current(const Token& token) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string tokens_file_;
   RateLimit rate_;
-  mutable std::mutex mutex_;
-  std::shared_ptr<const TokenTable> table_;  // null: no authentication
-  std::atomic<std::size_t> tokens_{0};       // in table_
-  std::map<std::uint64_t, Entry> streams_;
-  std::uint64_t next_key_ = 1;
-  std::mutex reload_mutex_;  // acquired first
-  FileStamp stamp_;          // of the file when it was last read
-  FileStamp last_seen_;      // of the file at the last check; changed_ is when it was first seen
-  absl::Time changed_;
+  mutable Mutex mutex_;
+  std::shared_ptr<const TokenTable> table_ ABSL_GUARDED_BY(mutex_);  // null: no authentication
+  std::atomic<std::size_t> tokens_{0};                               // in table_
+  std::map<std::uint64_t, Entry> streams_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t next_key_ ABSL_GUARDED_BY(mutex_) = 1;
+  Mutex reload_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  FileStamp stamp_ ABSL_GUARDED_BY(reload_mutex_);  // of the file when it was last read
+  // Of the file at the last check; changed_ is when it was first seen.
+  FileStamp last_seen_ ABSL_GUARDED_BY(reload_mutex_);
+  absl::Time changed_ ABSL_GUARDED_BY(reload_mutex_);
 };
 
 }  // namespace dynmesh::server

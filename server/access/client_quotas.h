@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 #include "server/access/quota.h"
 
 namespace dynmesh::server {
@@ -30,7 +30,7 @@ class ClientQuotas {
 
   // An empty lease if that would pass the client's limit, or `most`.
   Lease Take(absl::string_view client, std::uint64_t amount = 1, std::uint64_t most = kAny) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (quotas_.size() >= sweep_at_) {
       absl::erase_if(quotas_, [](const auto& entry) { return entry.second.used() == 0; });
       sweep_at_ = std::max(kFirstSweep, 2 * quotas_.size());
@@ -42,7 +42,7 @@ class ClientQuotas {
   std::uint64_t limit() const { return limit_; }
   // The largest use of a client.
   std::uint64_t most() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::uint64_t most = 0;
     for (const auto& [client, quota] : quotas_) most = std::max(most, quota.used());
     return most;
@@ -50,7 +50,7 @@ class ClientQuotas {
   // The `count` clients with the largest use, and their use: "token a 32, token b 5".
   std::string Largest(std::size_t count) const {
     std::vector<std::pair<std::uint64_t, absl::string_view>> users;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [client, quota] : quotas_) {
       if (quota.used() > 0) users.emplace_back(quota.used(), client);
     }
@@ -62,7 +62,7 @@ class ClientQuotas {
   }
   // Number of clients held.
   std::size_t size() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return quotas_.size();
   }
 
@@ -70,9 +70,10 @@ class ClientQuotas {
   static constexpr std::size_t kFirstSweep = 1024;
 
   const std::uint64_t limit_;
-  mutable std::mutex mutex_;
-  absl::flat_hash_map<std::string, Quota> quotas_;
-  std::size_t sweep_at_ = kFirstSweep;  // number of clients at which unused ones are removed
+  mutable Mutex mutex_;
+  absl::flat_hash_map<std::string, Quota> quotas_ ABSL_GUARDED_BY(mutex_);
+  // Number of clients at which unused ones are removed.
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = kFirstSweep;
 };
 
 }  // namespace dynmesh::server

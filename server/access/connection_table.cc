@@ -75,7 +75,7 @@ bool ConnectionTable::MayEnterLocked(Address& address, Time now) {
 }
 
 ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Address& address = AddressOfLocked(connection.peer, now);
   const auto is_full = [&] {
     return address.descriptors.size() + address.waiting.size() >= limits_.per_address;
@@ -95,7 +95,7 @@ ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time
 }
 
 void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   ForgetLocked(socket.descriptor);
   AddressOfLocked(peer, Clock::now()).descriptors.insert(socket.descriptor);
   Connection connection;
@@ -131,14 +131,14 @@ void ConnectionTable::SweepLocked(const Address& address) {
 }
 
 void ConnectionTable::Sweep() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [key, address] : addresses_) SweepLocked(*address);
 }
 
 ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
                                                   const std::function<Sender(int)>& look) {
   Ready ready;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (counts_.waiting == 0) return ready;
   for (auto& [key, address] : addresses_) {
     const bool is_blocked = now < address->blocked_until;
@@ -166,13 +166,13 @@ ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
 }
 
 bool ConnectionTable::HasWaiting() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return counts_.waiting > 0;
 }
 
 std::vector<int> ConnectionTable::TakeWaiting() {
   std::vector<int> sockets;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [key, address] : addresses_) {
     for (const Waiting& waiting : address->waiting) sockets.push_back(waiting.socket);
     address->waiting.clear();
@@ -182,7 +182,7 @@ std::vector<int> ConnectionTable::TakeWaiting() {
 }
 
 bool ConnectionTable::Answered(const PeerKey& peer, Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto named = descriptors_.find(peer);
   if (named == descriptors_.end()) return false;
   Connection& connection = connections_.at(named->second);
@@ -195,7 +195,7 @@ bool ConnectionTable::Answered(const PeerKey& peer, Time now) {
 }
 
 bool ConnectionTable::Wasted(const PeerKey& peer, Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   ++counts_.wasted;
   Address& address = AddressOfLocked(peer, now);
   const bool is_within = address.wasted.Take(limits_.wasted_per_second, now);
@@ -217,14 +217,14 @@ bool ConnectionTable::Wasted(const PeerKey& peer, Time now) {
 }
 
 ConnectionTable::Counts ConnectionTable::counts() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Counts counts = counts_;
   counts.open = connections_.size();
   return counts;
 }
 
 std::size_t ConnectionTable::addresses() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return addresses_.size();
 }
 

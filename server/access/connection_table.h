@@ -28,13 +28,13 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/mutex.h"
 #include "server/access/peer_key.h"
 
 namespace dynmesh::server {
@@ -148,23 +148,24 @@ class ConnectionTable {
     Time second;
   };
 
-  Address& AddressOfLocked(const PeerKey& peer, Time now);
+  Address& AddressOfLocked(const PeerKey& peer, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   static constexpr std::size_t kMostWaiting = 1'000;  // of one address
 
-  bool MayEnterLocked(Address& address, Time now);
-  void ForgetLocked(int descriptor);
-  void SweepLocked(const Address& address);
-  void ForgetAddressesLocked(Time now);
+  bool MayEnterLocked(Address& address, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ForgetLocked(int descriptor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SweepLocked(const Address& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ForgetAddressesLocked(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const Limits limits_;
   const System system_;
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   // Pointers stay valid.
-  absl::flat_hash_map<PeerKey, std::unique_ptr<Address>> addresses_;
-  absl::flat_hash_map<int, Connection> connections_;
-  absl::flat_hash_map<PeerKey, int> descriptors_;
-  std::size_t sweep_at_ = 1024;  // number of addresses at which unused ones are removed
-  Counts counts_;
+  absl::flat_hash_map<PeerKey, std::unique_ptr<Address>> addresses_ ABSL_GUARDED_BY(mutex_);
+  absl::flat_hash_map<int, Connection> connections_ ABSL_GUARDED_BY(mutex_);
+  absl::flat_hash_map<PeerKey, int> descriptors_ ABSL_GUARDED_BY(mutex_);
+  // Number of addresses at which unused ones are removed.
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 1024;
+  Counts counts_ ABSL_GUARDED_BY(mutex_);
   std::atomic<std::size_t> unanswered_{0};
 };
 

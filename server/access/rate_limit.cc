@@ -19,7 +19,7 @@ void RateBucket::FillLocked(absl::Time now) {
 }
 
 absl::Duration RateBucket::Take(absl::Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   // A clock that was set far back would stop the filling.
   if (now < filled_) filled_ = now;
   FillLocked(now);
@@ -31,14 +31,14 @@ absl::Duration RateBucket::Take(absl::Time now) {
 }
 
 bool RateBucket::IsFull(absl::Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   FillLocked(now);
   return left_ >= most_;
 }
 
 std::shared_ptr<RateBucket> RateLimit::BucketOf(absl::string_view client, absl::Time now) {
   if (per_second_ == 0) return nullptr;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (const auto it = buckets_.find(client); it != buckets_.end()) return it->second;
   if (buckets_.size() >= std::min(sweep_at_, max_clients_)) {
     // A full bucket that is not in use equals a new one.
@@ -54,7 +54,7 @@ std::shared_ptr<RateBucket> RateLimit::BucketOf(absl::string_view client, absl::
 }
 
 std::size_t RateLimit::clients() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return buckets_.size();
 }
 

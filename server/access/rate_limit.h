@@ -5,12 +5,12 @@
 
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -24,13 +24,13 @@ class RateBucket {
   bool IsFull(absl::Time now);
 
  private:
-  void FillLocked(absl::Time now);
+  void FillLocked(absl::Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const double per_second_;
   const double most_;
-  std::mutex mutex_;
-  double left_;
-  absl::Time filled_;
+  Mutex mutex_;
+  double left_ ABSL_GUARDED_BY(mutex_);
+  absl::Time filled_ ABSL_GUARDED_BY(mutex_);
 };
 
 class RateLimit {
@@ -47,9 +47,10 @@ class RateLimit {
  private:
   const double per_second_;
   const std::size_t max_clients_;
-  mutable std::mutex mutex_;
-  absl::flat_hash_map<std::string, std::shared_ptr<RateBucket>> buckets_;
-  std::size_t sweep_at_ = 1024;  // number of buckets at which full ones are removed
+  mutable Mutex mutex_;
+  absl::flat_hash_map<std::string, std::shared_ptr<RateBucket>> buckets_ ABSL_GUARDED_BY(mutex_);
+  // Number of buckets at which full ones are removed.
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 1024;
 };
 
 }  // namespace dynmesh::server

@@ -10,12 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
-#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "core/base/mutex.h"
 #include "server/access/certificate_watch.h"
 #include "server/access/file_stamp.h"
 #include "server/base/log.h"
@@ -118,7 +118,10 @@ class FileCredentials final : public TlsCredentials {
  public:
   FileCredentials(const TlsFiles& files, const std::array<FileStamp, 3>& stamps, Material first)
       : files_(files), stamps_(stamps) {
-    Use(std::move(first));
+    {
+      const MutexLock lock(mutex_);
+      Use(std::move(first));
+    }
     auto* options = grpc_ssl_server_credentials_create_options_using_config_fetcher(
         files.client_ca.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
                                 : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY,
@@ -130,7 +133,7 @@ class FileCredentials final : public TlsCredentials {
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
   void Look(absl::Time now) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (now - looked_ < kBetweenReadings && now >= looked_) return;
     looked_ = now;
     ReadAgainIfChanged();
@@ -155,7 +158,7 @@ class FileCredentials final : public TlsCredentials {
   }
 
   grpc_ssl_certificate_config_reload_status Refresh(grpc_ssl_server_certificate_config** out) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     ReadAgainIfChanged();
     if (std::exchange(fetched_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {material_.key.c_str(), material_.certificate.c_str()};
@@ -165,7 +168,7 @@ class FileCredentials final : public TlsCredentials {
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }
 
-  void ReadAgainIfChanged() {
+  void ReadAgainIfChanged() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     // Before the reading: a change during it is noticed the next time.
     const std::array<FileStamp, 3> stamps = Stamps(files_);
     if (stamps == stamps_) return;
@@ -187,7 +190,8 @@ class FileCredentials final : public TlsCredentials {
 
   // False: a certificate that is in use is valid, and the one in its place is not. Each new
   // connection would fail.
-  bool MayReplace(const Material& next, absl::Time now) const {
+  bool MayReplace(const Material& next, absl::Time now) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     const auto may = [now](const std::string& old_pem, const std::string& new_pem) {
       return ValidityOf(new_pem).Contains(now) || !ValidityOf(old_pem).Contains(now);
     };
@@ -203,12 +207,12 @@ class FileCredentials final : public TlsCredentials {
     }
   }
 
-  void UseNext() {
+  void UseNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
     Use(*std::exchange(next_, std::nullopt));
   }
 
-  void Use(Material material) {
+  void Use(Material material) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     material_ = std::move(material);
     fetched_ = false;
     own_.Use(files_.certificate, ValidityOf(material_.certificate));
@@ -220,14 +224,15 @@ class FileCredentials final : public TlsCredentials {
 
   const TlsFiles files_;
   grpc_server_credentials* credentials_ = nullptr;
-  std::mutex mutex_;
-  CertificateWatch own_;
-  CertificateWatch clients_;
-  absl::Time looked_ = absl::InfinitePast();
-  std::array<FileStamp, 3> stamps_;
-  Material material_;             // in use
-  std::optional<Material> next_;  // in the files, but not valid while that is
-  bool fetched_ = false;          // gRPC has the content of material_
+  Mutex mutex_;
+  CertificateWatch own_ ABSL_GUARDED_BY(mutex_);
+  CertificateWatch clients_ ABSL_GUARDED_BY(mutex_);
+  absl::Time looked_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  std::array<FileStamp, 3> stamps_ ABSL_GUARDED_BY(mutex_);
+  Material material_ ABSL_GUARDED_BY(mutex_);  // in use
+  // In the files, but not valid while that is.
+  std::optional<Material> next_ ABSL_GUARDED_BY(mutex_);
+  bool fetched_ ABSL_GUARDED_BY(mutex_) = false;  // gRPC has the content of material_
 };
 
 }  // namespace

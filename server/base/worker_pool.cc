@@ -20,27 +20,27 @@ WorkerPool::WorkerPool(int threads, Priority priority) {
 WorkerPool::~WorkerPool() { Stop(); }
 
 void WorkerPool::Post(Task task) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopping_ && running_ == 0 && tasks_.empty()) return;
   tasks_.push_back(std::move(task));
   if (idle_.empty()) return;
   idle_.back()->woken = true;
   // Under the lock: a woken thread may end, with its Idle, as soon as the lock is free.
-  idle_.back()->wake.notify_one();
+  idle_.back()->wake.NotifyOne();
   idle_.pop_back();
 }
 
 void WorkerPool::WakeAll() {
   for (Idle* idle : idle_) {
     idle->woken = true;
-    idle->wake.notify_one();
+    idle->wake.NotifyOne();
   }
   idle_.clear();
 }
 
 void WorkerPool::Stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     WakeAll();
   }
@@ -50,22 +50,23 @@ void WorkerPool::Stop() {
 
 void WorkerPool::Run() {
   Idle self;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (true) {
     // A running task may post more, so threads stay until all tasks are done.
     while (tasks_.empty() && !(stopping_ && running_ == 0)) {
       self.woken = false;
       idle_.push_back(&self);
-      self.wake.wait(lock, [&self] { return self.woken; });
+      self.wake.Wait(mutex_,
+                     [&self]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return self.woken; });
     }
     if (tasks_.empty()) break;
     Task task = std::move(tasks_.front());
     tasks_.pop_front();
     ++running_;
-    lock.unlock();
+    lock.Unlock();
     task();
     task = nullptr;  // destroyed outside the lock
-    lock.lock();
+    lock.Lock();
     --running_;
     if (stopping_) WakeAll();
   }
@@ -73,7 +74,7 @@ void WorkerPool::Run() {
 
 void SerialQueue::Post(Task task, TaskOwner owner) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     tasks_.push_back({std::move(task), std::move(owner)});
     if (scheduled_ || blocked_) return;
     scheduled_ = true;
@@ -83,7 +84,7 @@ void SerialQueue::Post(Task task, TaskOwner owner) {
 
 void SerialQueue::PostFirst(Task task) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     first_.push_back(std::move(task));
     if (scheduled_) return;
     scheduled_ = true;
@@ -93,7 +94,7 @@ void SerialQueue::PostFirst(Task task) {
 
 bool SerialQueue::TryPost(Task task, std::size_t limit, TaskOwner owner) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (tasks_.size() >= limit) return false;
     tasks_.push_back({std::move(task), std::move(owner)});
     if (scheduled_ || blocked_) return true;
@@ -106,7 +107,7 @@ bool SerialQueue::TryPost(Task task, std::size_t limit, TaskOwner owner) {
 void SerialQueue::Withdraw(const void* key) {
   std::vector<Waiting> withdrawn;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto first = std::stable_partition(
         tasks_.begin(), tasks_.end(), [key](const Waiting& w) { return w.owner.key != key; });
     withdrawn.assign(std::make_move_iterator(first), std::make_move_iterator(tasks_.end()));
@@ -119,7 +120,7 @@ void SerialQueue::Withdraw(const void* key) {
 }
 
 std::size_t SerialQueue::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return tasks_.size();
 }
 
@@ -128,7 +129,7 @@ void SerialQueue::Schedule() {
 }
 
 std::optional<SerialQueue::Waiting> SerialQueue::Next(bool ends) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::optional<Waiting> next;
   if (!first_.empty()) {
     next.emplace(Waiting{std::move(first_.front()), {}});
@@ -147,12 +148,13 @@ void SerialQueue::RunOne(Waiting task) {
   task.task();
   if (!deferred_) return;
   deferred_ = false;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   tasks_.push_front(std::move(task));
   blocked_ = true;
 }
 
 void SerialQueue::Run() {
+  strand_.AssertHeld();  // scheduled_: once at a time
   const auto end = std::chrono::steady_clock::now() + turn_.time;
   bool rested = true;
   for (int i = 0; i < turn_.tasks; ++i) {

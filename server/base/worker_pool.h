@@ -5,16 +5,16 @@
 #define DYNMESH_SERVER_BASE_WORKER_POOL_H_
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -37,18 +37,18 @@ class WorkerPool {
 
  private:
   struct Idle {
-    std::condition_variable wake;
-    bool woken = false;
+    CondVar wake;
+    bool woken = false;  // with the pool's mutex
   };
 
   void Run();
-  void WakeAll();
+  void WakeAll() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  std::mutex mutex_;
-  std::vector<Idle*> idle_;  // as a stack: the most recent is last
-  std::deque<Task> tasks_;
-  std::size_t running_ = 0;
-  bool stopping_ = false;
+  Mutex mutex_;
+  std::vector<Idle*> idle_ ABSL_GUARDED_BY(mutex_);  // as a stack: the most recent is last
+  std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
+  std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
 
@@ -91,7 +91,10 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
   // To be called by a running task of Post or TryPost that has done nothing: once it returns, it
   // waits again, and with it all of these tasks, until a task of PostFirst has run; also one that
   // was posted already. Then it is the first to run.
-  void Defer() { deferred_ = true; }
+  void Defer() {
+    strand_.AssertHeld();
+    deferred_ = true;
+  }
 
   // `rest` is called on the strand before it pauses: when no task waits, and before another
   // strand's turn. Call this before the first Post.
@@ -110,19 +113,20 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
   void Schedule();
   void Run();
   // Runs a task, and puts it back if it deferred itself.
-  void RunOne(Waiting task);
+  void RunOne(Waiting task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
   // The next task. If there is none and `ends`, the strand is unscheduled.
   std::optional<Waiting> Next(bool ends);
 
   WorkerPool* const pool_;
   const Turn turn_;
   Task rest_;
-  bool deferred_ = false;  // by the running task; used on the strand only
-  mutable std::mutex mutex_;
-  std::deque<Waiting> tasks_;
-  std::deque<Task> first_;
-  bool scheduled_ = false;
-  bool blocked_ = false;  // the first of tasks_ was deferred
+  ThreadRole strand_;  // of the running task
+  bool deferred_ ABSL_GUARDED_BY(strand_) = false;
+  mutable Mutex mutex_;
+  std::deque<Waiting> tasks_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Task> first_ ABSL_GUARDED_BY(mutex_);
+  bool scheduled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool blocked_ ABSL_GUARDED_BY(mutex_) = false;  // the first of tasks_ was deferred
 };
 
 }  // namespace dynmesh::server

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,7 +35,7 @@ class BuildCall final : public PartsCall<v1::BuildMeshRequest, v1::BuildMeshResp
   void OnWriteDone(bool ok) override {
     bool send = false, finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       writing_ = false;
       if (phase_ == Phase::kSending && !ok) {
         EndLocked(WhyCut(context_, sender_, "the client disconnected"));
@@ -60,7 +59,7 @@ class BuildCall final : public PartsCall<v1::BuildMeshRequest, v1::BuildMeshResp
     return message->mutable_progress();
   }
   // A mesh that is there is sent.
-  void StopLocked(const absl::Status& status) override {
+  void StopLocked(const absl::Status& status) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (!stop_status_.ok()) return;
     stop_status_ = status;
     stopped_->store(true, std::memory_order_relaxed);
@@ -92,7 +91,7 @@ class BuildCall final : public PartsCall<v1::BuildMeshRequest, v1::BuildMeshResp
     request_.Release();
     bool send = false, finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (mesh.ok()) {
         chunks_.emplace(std::make_shared<const Mesh>(*std::move(mesh)));
         phase_ = Phase::kSending;
@@ -120,7 +119,7 @@ class BuildCall final : public PartsCall<v1::BuildMeshRequest, v1::BuildMeshResp
     }
   }
 
-  void Close() override { Finish(codec::ToGrpcStatus(request_.Locate(final_status_))); }
+  void Close() override { Finish(codec::ToGrpcStatus(request_.Locate(final_status()))); }
 
   const std::shared_ptr<std::atomic<bool>> stopped_ = std::make_shared<std::atomic<bool>>(false);
   std::string call_id_;

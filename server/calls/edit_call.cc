@@ -1,10 +1,10 @@
 #include "server/calls/edit_call.h"
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/base/call_id.h"
@@ -54,7 +54,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
   void OnCancel() override { withdrawal_.Cancel(); }
   void End(const absl::Status& status) override {
     {
-      const std::lock_guard lock(end_mutex_);
+      const MutexLock lock(end_mutex_);
       end_status_ = status;
     }
     withdrawal_.Cancel();
@@ -160,7 +160,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
 
   void Fail(absl::Status status) {
     if (absl::IsCancelled(status)) {
-      const std::lock_guard lock(end_mutex_);
+      const MutexLock lock(end_mutex_);
       if (!end_status_.ok()) status = end_status_;
     }
     Finish(codec::ToGrpcStatus(status, edits_field_));
@@ -173,9 +173,9 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
   MetricsClock::time_point answered_;
   EditSource source_ = EditSource::kEdit;
   Withdrawal withdrawal_;
-  std::mutex end_mutex_;
-  absl::Status end_status_;         // why the server cancelled it
-  std::shared_ptr<EditCall> self_;  // until OnDone
+  Mutex end_mutex_;
+  absl::Status end_status_ ABSL_GUARDED_BY(end_mutex_);  // why the server cancelled it
+  std::shared_ptr<EditCall> self_;                       // until OnDone
   WorkGate::Ticket ticket_;
   Pass pass_;
   SharedLimit::Place place_;

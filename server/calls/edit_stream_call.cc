@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "dynmesh/v1/status_details.pb.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
@@ -53,11 +54,11 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   void End(const absl::Status& status) override {
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       EndLocked(status);
       finish = FinishLocked();
     }
-    if (finish) Finish(codec::ToGrpcStatus(final_status_));
+    if (finish) Finish(codec::ToGrpcStatus(final_status()));
   }
 
   void OnReadDone(bool ok) override {
@@ -87,7 +88,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     bool finish = false;
     bool read = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!ok) {
         broken_ = true;
         EndLocked(WhyCut(context_, sender_, "the client disconnected"));
@@ -113,7 +114,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     End(WhyCut(context_, sender_, "the call was cancelled"));
     MeshRegistry::HostPtr host;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       host = host_;
     }
     if (host != nullptr) host->Withdraw(cancelled_);
@@ -124,7 +125,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       Log(LogLevel::kDebug, "edits_closed",
           {{"mesh", host_->id()},
            {"call", call_id_},
-           {"status", absl::StatusCodeToString(final_status_.code())}});
+           {"status", absl::StatusCodeToString(final_status().code())}});
     }
     allowed_.Close();
     sender_.Leave();
@@ -169,7 +170,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   // False if the stream has ended. Until the mesh is found or refused it does not finish.
   bool MayOpen() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     opening_ = !ended_;
     return opening_;
   }
@@ -180,7 +181,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       call->Handle(true);
       bool finish = false;
       {
-        const std::lock_guard lock(call->mutex_);
+        const MutexLock lock(call->mutex_);
         call->opening_ = false;
         finish = call->FinishLocked();
       }
@@ -197,7 +198,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     host_ = std::move(target->host);
     return absl::OkStatus();
   }
@@ -219,7 +220,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   void Submit() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       // The stream ended meanwhile: a batch without an answer must not be applied.
       if (ended_) return DropPartial();
       ++in_flight_;
@@ -254,7 +255,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     bool read = false;
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       reading_ = false;
       if (!ok) ended_ = true;
       finish = FinishLocked();
@@ -265,7 +266,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   void ReadNext() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       reading_ = true;
     }
     Read();
@@ -285,7 +286,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     bool hand_on = false;
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (broken_ || stopped_) {
         --in_flight_;  // the client is gone, or an earlier batch ended the stream
       } else {
@@ -328,9 +329,9 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     StartWrite(&message_, options);
   }
 
-  // ------------------------------------------------------------------ under mutex_
+  // ------------------------------------------------------------------ with mutex_
 
-  bool TakeAnswerLocked() {
+  bool TakeAnswerLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (!current_.has_value()) {
       if (answers_.empty()) return false;
       current_.emplace(std::move(answers_.front()));
@@ -340,19 +341,19 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     return true;
   }
 
-  void DropAnswersLocked() {
+  void DropAnswersLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     in_flight_ -= static_cast<int>(answers_.size());
     for (const Answer& answer : answers_) answer_bytes_ -= answer.bytes;
     answers_.clear();
   }
 
-  void EndLocked(const absl::Status& status) {
+  void EndLocked(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (ended_) return;
     ended_ = true;
     final_status_ = status;
   }
 
-  bool ResumeReadLocked() {
+  bool ResumeReadLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (reading_ || ended_ || in_flight_ >= context_.config.edit_window) return false;
     if (answer_bytes_ > context_.config.edit_answer_bytes) return false;
     reading_ = true;
@@ -360,21 +361,25 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   }
 
   // True once: the caller then has to call Finish.
-  bool FinishLocked() {
+  bool FinishLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (!ended_ || finished_ || opening_ || in_flight_ > 0 || writing_) return false;
     finished_ = true;
     return true;
   }
 
   bool ended() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return ended_;
+  }
+  absl::Status final_status() {
+    const MutexLock lock(mutex_);
+    return final_status_;
   }
 
   void Continue(bool write, bool read, bool finish) {
     if (write) WriteNext();
     if (read) Read();
-    if (finish) Finish(codec::ToGrpcStatus(final_status_));
+    if (finish) Finish(codec::ToGrpcStatus(final_status()));
   }
 
   ServiceContext& context_;
@@ -391,7 +396,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   Received<v1::EditBatch> received_;
   v1::EditBatch& request_ = received_.message;
   absl::StatusOr<MeshRegistry::HostPtr> found_ = MeshRegistry::HostPtr();
-  MeshRegistry::HostPtr host_;  // written under mutex_
+  MeshRegistry::HostPtr host_;  // written with mutex_, for OnCancel
   std::string mesh_name_;
   bool stop_on_error_ = false;
   bool brought_ = true;                  // the last message began a batch or added edits
@@ -400,22 +405,22 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   // Used by the writer, while writing_.
   OpenSends::Sender sender_;
+  std::optional<Answer> current_;  // the answer being written; taken with mutex_
   v1::MeshDiff message_;
   bool more_answers_ = false;
 
-  std::mutex mutex_;
-  bool reading_ = false;
-  bool writing_ = false;
-  bool ended_ = false;    // no more input is accepted
-  bool stopped_ = false;  // a refused batch ended the stream
-  bool broken_ = false;   // a write failed: the client is gone
-  bool finished_ = false;
-  bool opening_ = false;  // the mesh is being found
-  int in_flight_ = 0;     // submitted batches that are not fully answered
-  absl::Status final_status_;
-  std::deque<Answer> answers_;
-  std::optional<Answer> current_;  // the answer being written
-  std::size_t answer_bytes_ = 0;   // of these
+  Mutex mutex_;
+  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;    // no more input is accepted
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;  // a refused batch ended the stream
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // a write failed: the client is gone
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  bool opening_ ABSL_GUARDED_BY(mutex_) = false;  // the mesh is being found
+  int in_flight_ ABSL_GUARDED_BY(mutex_) = 0;     // submitted batches that are not fully answered
+  absl::Status final_status_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Answer> answers_ ABSL_GUARDED_BY(mutex_);
+  std::size_t answer_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of these and current_
 };
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(

@@ -39,7 +39,7 @@ v1::MeshService::Stub* Forwarder::ServerOf(const absl::Status& status,
   if (!error.has_value() || error->reason != codec::reason::kNotOwner) return nullptr;
   const auto owner = error->metadata.find("owner");
   if (owner == error->metadata.end() || owner->second.empty()) return nullptr;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto& server = servers_[owner->second];
   if (server == nullptr) {
     server = v1::MeshService::NewStub(

@@ -13,10 +13,10 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "server/meshes/mesh_opener.h"
 
@@ -56,8 +56,9 @@ class Forwarder {
   static grpc::Status AsGrpc(const absl::Status& status);
 
   const std::shared_ptr<grpc::ChannelCredentials> credentials_;
-  std::mutex mutex_;
-  std::map<std::string, std::unique_ptr<v1::MeshService::Stub>> servers_;  // by address
+  Mutex mutex_;
+  // By address.
+  std::map<std::string, std::unique_ptr<v1::MeshService::Stub>> servers_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -42,7 +41,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     End(WhyCut(context_, sender_, "the call was cancelled"));
     MeshRegistry::HostPtr host;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (phase_ == Phase::kWorking) host = host_;
     }
     if (host != nullptr) host->Withdraw(cancelled_);
@@ -119,7 +118,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     const absl::Status status = CheckRefusal(*context_.registry, *host_, outcome.status());
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       EndLocked(status);
       if (outcome.ok()) EncodeResultLocked(*outcome);
       finish = FinishLocked();
@@ -127,7 +126,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     if (finish) Close();
   }
 
-  void EncodeResultLocked(const EditOutcome& outcome) {
+  void EncodeResultLocked(const EditOutcome& outcome) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     v1::LoadResult& result = *result_.emplace().mutable_result();
     result.set_from_revision(outcome.diff->from_revision);
     result.set_to_revision(outcome.diff->to_revision);
@@ -141,7 +140,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
       sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
-      Finish(codec::ToGrpcStatus(parts_.Locate(final_status_)));
+      Finish(codec::ToGrpcStatus(parts_.Locate(final_status())));
     }
   }
 

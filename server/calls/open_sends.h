@@ -9,10 +9,10 @@
 #include <chrono>
 #include <functional>
 #include <limits>
-#include <mutex>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -33,12 +33,12 @@ class OpenSends {
       Leave();
       sends_ = &sends;
       end_ = std::move(end);
-      const std::lock_guard lock(sends_->mutex_);
+      const MutexLock lock(sends_->mutex_);
       sends_->senders_.insert(this);
     }
     void Leave() {
       if (sends_ == nullptr) return;
-      const std::lock_guard lock(sends_->mutex_);
+      const MutexLock lock(sends_->mutex_);
       sends_->senders_.erase(this);
       sends_ = nullptr;
     }
@@ -65,7 +65,7 @@ class OpenSends {
 
   // Ends the calls with a message that has been sending since `time` or longer.
   void EndSlow(Clock::time_point time) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (Sender* const sender : senders_) {
       if (sender->since_.load(std::memory_order_relaxed) > time.time_since_epoch().count())
         continue;
@@ -75,8 +75,8 @@ class OpenSends {
   }
 
  private:
-  std::mutex mutex_;
-  absl::flat_hash_set<Sender*> senders_;
+  Mutex mutex_;
+  absl::flat_hash_set<Sender*> senders_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

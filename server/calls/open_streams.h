@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -47,7 +47,7 @@ class OpenStream {
 class OpenStreams {
  public:
   void Add(const std::shared_ptr<OpenStream>& stream) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (streams_.size() >= clean_at_) {
       std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
       clean_at_ = 2 * streams_.size() + 64;
@@ -57,7 +57,7 @@ class OpenStreams {
   void EndAll(const absl::Status& status) {
     std::vector<std::weak_ptr<OpenStream>> streams;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       streams.swap(streams_);
     }
     for (const auto& weak : streams) {
@@ -69,7 +69,7 @@ class OpenStreams {
     const auto since = OpenStream::Clock::now() - limit;
     std::vector<std::shared_ptr<OpenStream>> waiting;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       for (const auto& weak : streams_) {
         if (auto stream = weak.lock(); stream != nullptr && stream->WaitsSince(since)) {
           waiting.push_back(std::move(stream));
@@ -80,9 +80,9 @@ class OpenStreams {
   }
 
  private:
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<OpenStream>> streams_;
-  std::size_t clean_at_ = 64;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<OpenStream>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::size_t clean_at_ ABSL_GUARDED_BY(mutex_) = 64;
 };
 
 }  // namespace dynmesh::server

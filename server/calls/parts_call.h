@@ -12,13 +12,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/status_codec.h"
 #include "server/calls/admission.h"
@@ -36,7 +36,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   void End(const absl::Status& status) final {
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (phase_ == Phase::kWorking) StopLocked(status);
       if (phase_ != Phase::kReceiving) return;
       EndLocked(status);
@@ -72,7 +72,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
     Tell(v1::LoadFeaturesResponse::RECEIVING, features(), 0);
     bool read = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       read = phase_ == Phase::kReceiving;
     }
     // A drain may have ended it meanwhile. (The read itself does not prevent that.)
@@ -82,7 +82,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   void OnWriteDone(bool) override {
     bool finish = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       writing_ = false;
       finish = FinishLocked();
     }
@@ -130,7 +130,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
       End(ticket.status());
       return false;
     }
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (phase_ != Phase::kReceiving) return false;
     phase_ = Phase::kWorking;
     ticket_ = *std::move(ticket);
@@ -142,15 +142,15 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   // The progress of the message.
   virtual v1::LoadFeaturesResponse* ProgressIn(Response* message) = 0;
   // The call is to end while it works.
-  virtual void StopLocked(const absl::Status& /*status*/) {}
-  // Sends the last message and final_status_. Once, while nothing is written.
+  virtual void StopLocked(const absl::Status& /*status*/) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {}
+  // Sends the last message and final_status(). Once, while nothing is written.
   virtual void Close() = 0;
 
   // Sends progress, unless it is too early or the last message is still being written.
   void Tell(v1::LoadFeaturesResponse::Stage stage, std::uint64_t done, std::uint64_t total,
             bool now = false) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       const auto time = MetricsClock::now();
       if (writing_ || phase_ == Phase::kEnded || (!now && time - told_ < kBetweenProgress)) return;
       writing_ = true;
@@ -164,14 +164,19 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   }
 
   // Begins the send timeout: before, a client that does not read progress delays nothing.
-  void EndLocked(const absl::Status& status) {
+  void EndLocked(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     phase_ = Phase::kEnded;
     final_status_ = status;
     sender_.Begin();
   }
 
+  absl::Status final_status() {
+    const MutexLock lock(mutex_);
+    return final_status_;
+  }
+
   // True once: the caller then has to call Close.
-  bool FinishLocked() {
+  bool FinishLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (phase_ != Phase::kEnded || writing_ || opening_ || finished_) return false;
     finished_ = true;
     return true;
@@ -189,10 +194,10 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   Response answer_;  // used by the writer, while writing_
   OpenSends::Sender sender_;
 
-  std::mutex mutex_;
-  Phase phase_ = Phase::kReceiving;
-  bool writing_ = false;
-  absl::Status final_status_;
+  Mutex mutex_;
+  Phase phase_ ABSL_GUARDED_BY(mutex_) = Phase::kReceiving;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status final_status_ ABSL_GUARDED_BY(mutex_);
 
  private:
   absl::Status Enter(OpenStreams& streams, const Pass& pass) {
@@ -204,7 +209,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
 
   // False if the call has ended. Until the mesh is found or refused it does not finish.
   bool MayOpen() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     opening_ = phase_ == Phase::kReceiving;
     return opening_;
   }
@@ -215,7 +220,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
       call->Handle(true);
       bool finish = false;
       {
-        const std::lock_guard lock(call->mutex_);
+        const MutexLock lock(call->mutex_);
         call->opening_ = false;
         finish = call->FinishLocked();
       }
@@ -232,10 +237,10 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   }
 
   Received<Request> received_;
-  bool finished_ = false;
-  bool opening_ = false;  // the mesh is being found
-  MetricsClock::time_point told_ = MetricsClock::now();
-  WorkGate::Ticket ticket_;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  bool opening_ ABSL_GUARDED_BY(mutex_) = false;  // the mesh is being found
+  MetricsClock::time_point told_ ABSL_GUARDED_BY(mutex_) = MetricsClock::now();
+  WorkGate::Ticket ticket_ ABSL_GUARDED_BY(mutex_);  // until this is destroyed
 };
 
 }  // namespace dynmesh::server

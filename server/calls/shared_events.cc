@@ -18,7 +18,7 @@ std::shared_ptr<const SharedEvents::Events> SharedEvents::Find(
     const std::shared_ptr<const MeshDiff>& diff, std::size_t fragment_bytes) {
   std::shared_ptr<Entry> entry;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto [place, is_new] = kept_.try_emplace(diff.get());
     if (is_new) {
       place->second = {diff, std::make_shared<Entry>()};
@@ -44,7 +44,7 @@ void SharedEvents::Encode(const std::shared_ptr<const MeshDiff>& diff, std::size
     Events().swap(entry.events);
     bytes = sizeof(Entry);
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   ++encoded_;
   // It may have been dropped meanwhile.
   const auto kept = kept_.find(diff.get());
@@ -65,12 +65,12 @@ void SharedEvents::Trim() {
 }
 
 std::size_t SharedEvents::encoded() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return encoded_;
 }
 
 std::size_t SharedEvents::held_bytes() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return held_;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/mutex.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 
@@ -44,7 +45,7 @@ class SharedEvents {
   struct Entry {
     std::once_flag once;
     Events events;
-    std::size_t bytes = 0;
+    std::size_t bytes = 0;  // with the mutex
   };
   struct Kept {
     std::weak_ptr<const MeshDiff>
@@ -54,14 +55,14 @@ class SharedEvents {
 
   void Encode(const std::shared_ptr<const MeshDiff>& diff, std::size_t fragment_bytes,
               Entry& entry);
-  void Trim();
+  void Trim() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::size_t bytes_, most_messages_;
-  mutable std::mutex mutex_;
-  absl::flat_hash_map<const MeshDiff*, Kept> kept_;
-  std::deque<const MeshDiff*> order_;  // oldest first
-  std::size_t held_ = 0;
-  std::size_t encoded_ = 0;
+  mutable Mutex mutex_;
+  absl::flat_hash_map<const MeshDiff*, Kept> kept_ ABSL_GUARDED_BY(mutex_);
+  std::deque<const MeshDiff*> order_ ABSL_GUARDED_BY(mutex_);  // oldest first
+  std::size_t held_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::size_t encoded_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace dynmesh::server

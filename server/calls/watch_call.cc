@@ -5,11 +5,11 @@
 #include <atomic>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
@@ -65,7 +65,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   void OnCancel() override {
     std::shared_ptr<Subscription> subscription;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       cancelled_ = true;
       subscription = subscription_;
     }
@@ -147,7 +147,7 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
     auto subscription = host->hub()->Subscribe(start_, wake);
     if (!subscription.ok()) return subscription.status();
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (cancelled_) {
         (*subscription)->Cancel();
         return absl::CancelledError("the client disconnected");
@@ -276,22 +276,26 @@ class WatchCall final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   SharedLimit::Place past_place_;  // while its past is made
   std::string mesh_;               // for the log
   Access::Stream allowed_;
-  std::mutex mutex_;
-  bool cancelled_ = false;  // under mutex_
+  Mutex mutex_;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   const std::shared_ptr<std::atomic<bool>> cut_ = std::make_shared<std::atomic<bool>>(false);
   WatchHub::Start start_;
-  std::deque<std::shared_ptr<const MeshDiff>> past_;  // to be sent before what the hub has
-  std::shared_ptr<Subscription> subscription_;        // written under mutex_
+  // To be sent before what the hub has.
+  std::deque<std::shared_ptr<const MeshDiff>> past_;
+  std::shared_ptr<Subscription> subscription_;  // written with mutex_, for OnCancel
   std::optional<WatchFilter> filter_;
   SharedLimit::Place snapshot_place_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;
-  std::shared_ptr<const SharedEvents::Events> shared_;  // the diff being sent, if watches share it
+  // The diff being sent, if watches share it.
+  std::shared_ptr<const SharedEvents::Events> shared_;
   std::size_t next_shared_ = 0;
   v1::WatchEvent event_;
-  grpc::ByteBuffer bytes_;         // the message being sent
-  bool is_of_many_ = false;        // the diff being sent has more than one fragment
-  bool was_last_of_many_ = false;  // event_ holds the last of several fragments
+  grpc::ByteBuffer bytes_;  // the message being sent
+  // The diff being sent has more than one fragment.
+  bool is_of_many_ = false;
+  // `event_` holds the last of several fragments.
+  bool was_last_of_many_ = false;
 };
 
 }  // namespace

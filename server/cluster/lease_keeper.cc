@@ -13,9 +13,9 @@ LeaseKeeper::LeaseKeeper(std::chrono::nanoseconds ttl, Calls calls)
 
 void LeaseKeeper::Run() {
   bool failing = false;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!stopped_) {
-    lock.unlock();
+    lock.Unlock();
     const std::chrono::nanoseconds sent = BootTime();
     const absl::Status renewed = calls_.renew();
     if (renewed.ok()) {
@@ -27,8 +27,9 @@ void LeaseKeeper::Run() {
       Log(failing ? LogLevel::kWarning : LogLevel::kInfo,
           failing ? "leases_not_renewed" : "leases_renewed_again", {{"error", renewed.message()}});
     }
-    lock.lock();
-    stopping_.wait_for(lock, failing ? retry_ : period_, [this] { return stopped_; });
+    lock.Lock();
+    stopping_.WaitFor(mutex_, failing ? retry_ : period_,
+                      [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopped_; });
   }
 }
 
@@ -40,10 +41,10 @@ std::chrono::nanoseconds LeaseKeeper::Age() const {
 void LeaseKeeper::Stop() {
   reads_.End();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(stopped_, true)) return;
   }
-  stopping_.notify_all();
+  stopping_.NotifyAll();
   thread_.join();
   if (const absl::Status s = calls_.give_up(); !s.ok()) {
     // They run out by themselves.

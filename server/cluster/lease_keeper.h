@@ -10,13 +10,12 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 #include "server/base/boot_time.h"
 #include "server/cluster/read_lease.h"
 
@@ -52,9 +51,9 @@ class LeaseKeeper {
   const Calls calls_;
   ReadLease reads_;
   std::atomic<std::int64_t> renewed_{-1};  // as BootTime
-  std::mutex mutex_;
-  std::condition_variable stopping_;
-  bool stopped_ = false;
+  Mutex mutex_;
+  CondVar stopping_;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;  // last: it uses the others
 };
 

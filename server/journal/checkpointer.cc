@@ -27,10 +27,10 @@ Checkpointer::~Checkpointer() { Stop(); }
 
 void Checkpointer::Stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
+  wake_.NotifyAll();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -41,26 +41,28 @@ void Checkpointer::KeepLogAtEnd() {
 
 void Checkpointer::Committed(int log_pages, const sqlite::Connection& writer) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (log_pages < log_pages_) due_ = kMany;  // the log began anew
     log_pages_ = log_pages;
     if (log_pages < due_) return;
-    if (log_pages < kFarTooMany) return wake_.notify_one();
+    if (log_pages < kFarTooMany) return wake_.NotifyOne();
     due_ = log_pages + kMany;
   }
   MoveLog(writer);
 }
 
 void Checkpointer::Run() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [this] { return stopping_ || log_pages_ >= due_; });
+    wake_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return stopping_ || log_pages_ >= due_;
+    });
     if (stopping_) return;
     // Not again at each of the next commits: the writer may be faster than this, or the disk full.
     due_ = log_pages_ + kMany;
-    lock.unlock();
+    lock.Unlock();
     MoveLog(mover_);
-    lock.lock();
+    lock.Lock();
   }
 }
 

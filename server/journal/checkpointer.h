@@ -8,10 +8,9 @@
 #ifndef DYNMESH_SERVER_JOURNAL_CHECKPOINTER_H_
 #define DYNMESH_SERVER_JOURNAL_CHECKPOINTER_H_
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
+#include "core/base/mutex.h"
 #include "server/journal/sqlite.h"
 
 namespace dynmesh::server {
@@ -36,11 +35,11 @@ class Checkpointer {
   void Stop();
 
   sqlite::Connection mover_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  int log_pages_ = 0;
-  int due_ = kMany;  // the number of pages at which it is moved next
-  bool stopping_ = false;
+  Mutex mutex_;
+  CondVar wake_;
+  int log_pages_ ABSL_GUARDED_BY(mutex_) = 0;
+  int due_ ABSL_GUARDED_BY(mutex_) = kMany;  // the number of pages at which it is moved next
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -47,7 +47,10 @@ absl::StatusOr<std::unique_ptr<HeadsFile>> HeadsFile::Open(const std::string& fo
   if (file < 0 && errno == ENOENT) return absl::NotFoundError(absl::StrCat("no ", path));
   if (file < 0) return Failed("opening");
   std::unique_ptr<HeadsFile> heads(new HeadsFile(file));
-  if (absl::Status s = heads->Load(); !s.ok()) return s;
+  {
+    const MutexLock lock(heads->mutex_);
+    if (absl::Status s = heads->Load(); !s.ok()) return s;
+  }
   heads->StartSyncing();
   return heads;
 }
@@ -61,14 +64,17 @@ absl::StatusOr<std::unique_ptr<HeadsFile>> HeadsFile::Make(const std::string& fo
   if (file < 0) return Failed("making");
   std::unique_ptr<HeadsFile> made(new HeadsFile(file));
   made->journal_ = journal;
-  made->taking_ = taking;
   absl::Status status;
-  for (const Head& head : heads) {
-    if (status.ok()) status = made->Put(head);
+  {
+    const MutexLock lock(made->mutex_);
+    made->taking_ = taking;
+    for (const Head& head : heads) {
+      if (status.ok()) status = made->PutNow(head);
+    }
+    // The heads become durable together with the header.
+    made->confirmed_ = made->greatest_;
+    for (int copy = 0; status.ok() && copy < 2; ++copy) status = made->WriteHeader();
   }
-  // The heads become durable together with the header.
-  made->confirmed_ = made->greatest_;
-  for (int copy = 0; status.ok() && copy < 2; ++copy) status = made->WriteHeader();
   if (status.ok()) status = made->Sync();
   if (!status.ok()) return status;
   if (std::rename(fresh.c_str(), path.c_str()) != 0) return Failed("renaming");
@@ -83,10 +89,10 @@ absl::StatusOr<std::unique_ptr<HeadsFile>> HeadsFile::Make(const std::string& fo
 HeadsFile::~HeadsFile() {
   if (thread_.joinable()) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       stopping_ = true;
     }
-    wake_.notify_all();
+    wake_.NotifyAll();
     thread_.join();
     (void)Sync();  // a failure is logged
   }
@@ -198,13 +204,13 @@ absl::Status HeadsFile::WriteHead(std::size_t slot) {
 // ------------------------------------------------------------------ content
 
 HeadsFile::Taking HeadsFile::taking() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return taking_;
 }
 
 absl::Status HeadsFile::TookOver() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     taking_ = Taking::kNo;
     if (absl::Status s = WriteHeader(); !s.ok()) return s;
   }
@@ -212,22 +218,22 @@ absl::Status HeadsFile::TookOver() {
 }
 
 HeadsFile::Position HeadsFile::position() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return position_;
 }
 
 HeadsFile::Key HeadsFile::confirmed() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return confirmed_;
 }
 
 HeadsFile::Key HeadsFile::greatest() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return greatest_;
 }
 
 std::vector<HeadsFile::Head> HeadsFile::Heads() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<Head> heads;
   for (const auto& [key, slot] : places_) heads.push_back(slots_[slot].head);
   return heads;
@@ -239,7 +245,7 @@ HeadsFile::Head* HeadsFile::Staged(Key mesh) {
   const auto staged = std::find_if(staged_.begin(), staged_.end(),
                                    [mesh](const Head& head) { return head.key == mesh; });
   if (staged != staged_.end()) return &*staged;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto place = places_.find(mesh);
   if (place == places_.end()) return nullptr;
   staged_.push_back(slots_[place->second].head);
@@ -260,7 +266,7 @@ void HeadsFile::StageRequest(Key mesh, std::int64_t number) {
 }
 
 void HeadsFile::Publish(const Position& position) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   absl::Status status;
   const std::set<std::size_t> again = unwritten_;
   for (const std::size_t slot : again) status.Update(WriteHead(slot));
@@ -275,7 +281,7 @@ void HeadsFile::Publish(const Position& position) {
   position_ = position;
   status.Update(WriteHeader());
   Told(status);
-  wake_.notify_one();
+  wake_.NotifyOne();
 }
 
 absl::Status HeadsFile::PutNow(const Head& head) {
@@ -308,30 +314,30 @@ absl::Status HeadsFile::ForgetNow(Key mesh) {
 }
 
 absl::Status HeadsFile::Put(const Head& head) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return PutNow(head);
 }
 
 absl::Status HeadsFile::Forget(Key mesh) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return ForgetNow(mesh);
 }
 
 absl::Status HeadsFile::BeginDelete(Key mesh) {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto place = places_.find(mesh);
   if (place == places_.end()) return absl::OkStatus();
   const std::size_t slot = place->second;
   slots_[slot].head.state = State::kDeleting;
   absl::Status status = WriteHead(slot);
-  if (status.ok()) status = SyncNow(lock);
+  if (status.ok()) status = SyncNow();
   return status;
 }
 
 void HeadsFile::EndDelete(Key mesh) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Told(ForgetNow(mesh));
-  wake_.notify_one();
+  wake_.NotifyOne();
 }
 
 // ------------------------------------------------------------------ syncs
@@ -349,14 +355,14 @@ void HeadsFile::Told(const absl::Status& status) {
   failing_ = !status.ok();
 }
 
-absl::Status HeadsFile::SyncNow(std::unique_lock<std::mutex>& lock) {
+absl::Status HeadsFile::SyncNow() {
   const Key greatest = unwritten_.empty() ? greatest_ : confirmed_;
   dirty_ = false;
-  const auto sync = [&]() -> absl::Status {
-    lock.unlock();
+  const auto sync = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) -> absl::Status {
+    mutex_.Unlock();
     const bool done = fdatasync(file_) == 0;
     const int error = errno;
-    lock.lock();
+    mutex_.Lock();
     errno = error;
     return done ? absl::OkStatus() : Failed("syncing");
   };
@@ -371,9 +377,9 @@ absl::Status HeadsFile::SyncNow(std::unique_lock<std::mutex>& lock) {
 }
 
 absl::Status HeadsFile::Sync() {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!dirty_) return absl::OkStatus();
-  const absl::Status status = SyncNow(lock);
+  const absl::Status status = SyncNow();
   Told(status);
   return status;
 }
@@ -383,12 +389,14 @@ void HeadsFile::StartSyncing() {
 }
 
 void HeadsFile::Run() {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [this] { return stopping_ || dirty_; });
+    wake_.Wait(mutex_,
+               [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_ || dirty_; });
     if (stopping_) return;
-    if (absl::Status s = SyncNow(lock); !s.ok()) Told(s);
-    wake_.wait_for(lock, kBetweenSyncs, [this] { return stopping_; });
+    if (absl::Status s = SyncNow(); !s.ok()) Told(s);
+    wake_.WaitFor(mutex_, kBetweenSyncs,
+                  [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_; });
   }
 }
 

@@ -24,11 +24,9 @@
 #ifndef DYNMESH_SERVER_JOURNAL_HEADS_FILE_H_
 #define DYNMESH_SERVER_JOURNAL_HEADS_FILE_H_
 
-#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
@@ -36,6 +34,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -117,38 +116,39 @@ class HeadsFile {
   explicit HeadsFile(int file) : file_(file), slots_(1) {}
 
   Head* Staged(Key mesh);
-  absl::Status Load();
-  bool LoadHeader(const std::string& bytes);
-  void LoadSlot(std::size_t slot, const std::string& bytes);
+  absl::Status Load() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool LoadHeader(const std::string& bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void LoadSlot(std::size_t slot, const std::string& bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void StartSyncing();
   void Run();
-  // REQUIRES: mutex_ is held.
-  absl::Status Write(std::size_t slot, const std::string& content);
-  absl::Status WriteHeader();
-  absl::Status WriteHead(std::size_t slot);
-  absl::Status PutNow(const Head& head);
-  absl::Status ForgetNow(Key mesh);
-  absl::Status SyncNow(std::unique_lock<std::mutex>& lock);
-  void Told(const absl::Status& status);
+  absl::Status Write(std::size_t slot, const std::string& content)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status WriteHeader() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status WriteHead(std::size_t slot) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status PutNow(const Head& head) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status ForgetNow(Key mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Without the mutex while the disk works.
+  absl::Status SyncNow() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Told(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const int file_;
   std::string journal_;
   std::size_t unreadable_ = 0;
   std::vector<Head> staged_;
 
-  mutable std::mutex mutex_;
-  Taking taking_ = Taking::kNo;
-  Position position_;
-  Key confirmed_ = 0, greatest_ = 0;
-  std::uint64_t sequence_ = 0;         // of the last write
-  std::vector<Slot> slots_;            // the first is the header
-  std::vector<std::size_t> free_;      // free slots
-  std::map<Key, std::size_t> places_;  // slots by mesh
-  std::set<std::size_t> unwritten_;    // slots with a failed write
-  bool failing_ = false;
+  mutable Mutex mutex_;
+  Taking taking_ ABSL_GUARDED_BY(mutex_) = Taking::kNo;
+  Position position_ ABSL_GUARDED_BY(mutex_);
+  Key confirmed_ ABSL_GUARDED_BY(mutex_) = 0, greatest_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::uint64_t sequence_ ABSL_GUARDED_BY(mutex_) = 0;         // of the last write
+  std::vector<Slot> slots_ ABSL_GUARDED_BY(mutex_);            // the first is the header
+  std::vector<std::size_t> free_ ABSL_GUARDED_BY(mutex_);      // free slots
+  std::map<Key, std::size_t> places_ ABSL_GUARDED_BY(mutex_);  // slots by mesh
+  std::set<std::size_t> unwritten_ ABSL_GUARDED_BY(mutex_);    // slots with a failed write
+  bool failing_ ABSL_GUARDED_BY(mutex_) = false;
 
-  std::condition_variable wake_;
-  bool dirty_ = false, stopping_ = false;
+  CondVar wake_;
+  bool dirty_ ABSL_GUARDED_BY(mutex_) = false, stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

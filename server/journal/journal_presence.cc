@@ -28,10 +28,10 @@ JournalPresence::JournalPresence(std::string journal, const std::vector<std::str
 
 JournalPresence::~JournalPresence() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
+  wake_.NotifyAll();
   thread_.join();
 }
 
@@ -51,7 +51,7 @@ absl::Status JournalPresence::Find() const {
 
 // One look at a time: an older one must not be told after a newer one.
 absl::Status JournalPresence::Look() {
-  const std::lock_guard lock(looking_);
+  const MutexLock lock(looking_);
   absl::Status found = Find();
   if (found.ok() == gone_) Tell(found);
   gone_ = !found.ok();
@@ -67,11 +67,12 @@ void JournalPresence::Tell(const absl::Status& found) const {
 }
 
 void JournalPresence::Run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kBetweenLooks, [this] { return stopping_; })) {
-    lock.unlock();
+  MutexLock lock(mutex_);
+  while (!wake_.WaitFor(mutex_, kBetweenLooks,
+                        [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_; })) {
+    lock.Unlock();
     (void)Look();  // what it finds is logged
-    lock.lock();
+    lock.Lock();
   }
 }
 

@@ -12,13 +12,12 @@
 #include <sys/types.h>
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -49,11 +48,11 @@ class JournalPresence {
   const std::string journal_;
   std::vector<File> files_;
   std::atomic<bool> gone_{false};
-  std::mutex looking_;
+  Mutex looking_;
 
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopping_ = false;
+  Mutex mutex_;
+  CondVar wake_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

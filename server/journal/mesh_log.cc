@@ -48,7 +48,7 @@ absl::Status MeshLog::Append(std::span<const Batch> batches) {
     owns_ = OutcomeOf(status) == AppendOutcome::kRefused;
     return JournalError(status, id_);
   }
-  const std::lock_guard lock(book_->mutex);
+  const MutexLock lock(book_->mutex);
   auto entry = entries.begin();
   for (const Batch& batch : batches) {
     if (batch.answer.from_revision == batch.answer.to_revision) continue;
@@ -60,12 +60,12 @@ absl::Status MeshLog::Append(std::span<const Batch> batches) {
 }
 
 void MeshLog::SawEntry(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
-  const std::lock_guard lock(book_->mutex);
+  const MutexLock lock(book_->mutex);
   book_->sizes.Add(revision, bytes, work);
 }
 
 void MeshLog::SawSnapshot(std::uint64_t bytes) {
-  const std::lock_guard lock(book_->mutex);
+  const MutexLock lock(book_->mutex);
   book_->sizes = {.snapshot = bytes};
 }
 
@@ -93,7 +93,7 @@ absl::Status MeshLog::AppendOtherBits(const DynamicMesh& mesh) {
   made.write = seconds() - made.take - made.encode;
   Sizes then;
   {
-    const std::lock_guard lock(book_->mutex);
+    const MutexLock lock(book_->mutex);
     then = book_->sizes;
   }
   Take(*book_, then, mesh.revision(), made);
@@ -103,15 +103,15 @@ absl::Status MeshLog::AppendOtherBits(const DynamicMesh& mesh) {
 // ------------------------------------------------------------------ snapshots
 
 bool MeshLog::IsDue(const DynamicMesh& mesh) const {
-  const std::lock_guard lock(book_->mutex);
-  const Sizes& sizes = book_->sizes;
+  const MutexLock lock(book_->mutex);
+  const Sizes sizes = book_->sizes;
   if (book_->making || book_->last == 0 || sizes.entries < 2 * book_->failed_at) return false;
   if (sizes.entries > std::max(limits_.bytes, sizes.snapshot)) return true;
   return sizes.operations > limits_.operations && sizes.operations > 2 * mesh.Stats().operations;
 }
 
 bool MeshLog::needs_features() const {
-  const std::lock_guard lock(book_->mutex);
+  const MutexLock lock(book_->mutex);
   return book_->unreadable;
 }
 
@@ -125,7 +125,7 @@ void MeshLog::Order(Snapshots& snapshots, std::optional<FeaturesAt> features) {
   Snapshots::Order order;
   Sizes then;
   {
-    const std::lock_guard lock(book_->mutex);
+    const MutexLock lock(book_->mutex);
     book_->making = true;
     order.revision = book_->last;
     then = book_->sizes;
@@ -143,7 +143,7 @@ void MeshLog::Order(Snapshots& snapshots, std::optional<FeaturesAt> features) {
 void MeshLog::Take(Book& book, const Sizes& then, std::uint64_t revision,
                    const Snapshots::Made& made) {
   {
-    const std::lock_guard lock(book.mutex);
+    const MutexLock lock(book.mutex);
     book.making = false;
     book.unreadable = made.unreadable;
     if (made.status.ok()) {

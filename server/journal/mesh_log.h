@@ -8,21 +8,22 @@
 // recovery takes at most three times as long as making the mesh from its features. The first batch,
 // often a whole load, serves as a snapshot.
 //
-// Append blocks. Thread-compatible: the mesh's strand makes one call at a time; only Append is made
-// by another thread, too, one at a time, beside the calls about snapshots.
+// Append blocks. Thread-compatible: the mesh's strand makes one call at a time. Appends are those
+// of the writer(), the strand or one other thread at a time, beside the strand's calls about
+// snapshots.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
 #include "server/journal/mesh_history.h"
@@ -67,7 +68,7 @@ class MeshLog {
   };
   // Returns when all batches are durable; not OK: none is, unless the outcome is unknown. In the
   // order of their revisions. Errors as JournalError.
-  absl::Status Append(std::span<const Batch> batches);
+  absl::Status Append(std::span<const Batch> batches) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_);
 
   // Of a mesh that another server writes: it wrote a batch that executed `work`; a snapshot, of
   // that many bytes. The few batches that it wrote while it made the snapshot are not counted.
@@ -75,7 +76,9 @@ class MeshLog {
   void SawSnapshot(std::uint64_t bytes);
 
   // False after an append that was fenced or has an unknown outcome: nothing more can be written.
-  bool owns() const { return owns_; }
+  bool owns() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_) { return owns_; }
+  // The part of the thread that appends.
+  const ThreadRole& writer() const ABSL_LOCK_RETURNED(writer_) { return writer_; }
 
   // Reads what this writes. `empty`: as MeshHistory's.
   MeshHistory History(const MeshHash& empty) const {
@@ -85,7 +88,7 @@ class MeshLog {
   // The mesh's last revision has the features of the previous one, and other bits (kMeshBits).
   // Writes that revision and a snapshot, and blocks meanwhile. Errors as Append; a failed snapshot
   // is logged.
-  absl::Status AppendOtherBits(const DynamicMesh& mesh);
+  absl::Status AppendOtherBits(const DynamicMesh& mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_);
 
   // Snapshots, on the strand. True if one is due and none is being made. O(1).
   bool IsDue(const DynamicMesh& mesh) const;
@@ -107,12 +110,15 @@ class MeshLog {
 
     const std::string id;
     const std::shared_ptr<std::atomic<bool>> ended = std::make_shared<std::atomic<bool>>(false);
-    std::mutex mutex;
-    Sizes sizes;
-    std::uint64_t last = 0;       // the last revision written by this log; 0: none
-    bool making = false;          // a snapshot
-    bool unreadable = false;      // the last snapshot failed since the journal could not be read
-    std::uint64_t failed_at = 0;  // bytes of entries at the last failed snapshot
+    Mutex mutex;
+    Sizes sizes ABSL_GUARDED_BY(mutex);
+    // The last revision written by this log; 0: none.
+    std::uint64_t last ABSL_GUARDED_BY(mutex) = 0;
+    bool making ABSL_GUARDED_BY(mutex) = false;  // a snapshot
+    // The last snapshot failed since the journal could not be read.
+    bool unreadable ABSL_GUARDED_BY(mutex) = false;
+    // Bytes of entries at the last failed snapshot.
+    std::uint64_t failed_at ABSL_GUARDED_BY(mutex) = 0;
   };
   using BookPtr = std::shared_ptr<Book>;
 
@@ -127,7 +133,8 @@ class MeshLog {
   const int dimension_;
   const Limits limits_;
   const BookPtr book_;
-  bool owns_ = true;
+  ThreadRole writer_;
+  bool owns_ ABSL_GUARDED_BY(writer_) = true;
 };
 
 }  // namespace dynmesh::server

@@ -142,18 +142,15 @@ absl::Status PostgresJournal::Counted(absl::Status status) {
 }
 
 PostgresJournal::OwnedPtr PostgresJournal::Find(Key mesh) {
-  const std::lock_guard lock(owned_mutex_);
+  const MutexLock lock(owned_mutex_);
   const auto it = owned_.find(mesh);
   return it == owned_.end() ? nullptr : it->second;
 }
 
 void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief,
                            std::chrono::nanoseconds claimed) {
-  const auto owned = std::make_shared<Owned>();
-  owned->is = belief;
-  owned->epoch = belief.epoch;
-  owned->claimed = claimed;
-  const std::lock_guard lock(owned_mutex_);
+  const auto owned = std::make_shared<Owned>(belief, claimed);
+  const MutexLock lock(owned_mutex_);
   owned_[mesh] = owned;
 }
 
@@ -250,20 +247,24 @@ postgres::Claimed PostgresJournal::ClaimOn(Session& session, Key mesh) const {
 absl::Status PostgresJournal::Claim(Key mesh) {
   // An append of an earlier claim ends first: it may have to claim the mesh again.
   const OwnedPtr before = Find(mesh);
-  std::unique_lock<std::mutex> lock;
-  if (before != nullptr) lock = std::unique_lock(before->mutex);
+  if (before == nullptr) return ClaimNow(mesh);
+  const MutexLock lock(before->mutex);
+  absl::Status status = ClaimNow(mesh);
+  if (status.ok()) before->gone = absl::AbortedError("the mesh was claimed anew");
+  return status;
+}
+
+absl::Status PostgresJournal::ClaimNow(Key mesh) {
   postgres::Belief belief;
   std::chrono::nanoseconds sent{0};
-  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
+  absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
     sent = BootTime();
     const postgres::Claimed claimed = ClaimOn(session, mesh);
     *unknown = claimed.unknown;
     belief = claimed.belief;
     return claimed.status;
   });
-  if (!status.ok()) return status;
-  if (before != nullptr) before->gone = absl::AbortedError("the mesh was claimed anew");
-  Keep(mesh, belief, sent);
+  if (status.ok()) Keep(mesh, belief, sent);
   return status;
 }
 
@@ -280,7 +281,7 @@ absl::Status PostgresJournal::Delete(Key mesh) {
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
-  const std::lock_guard lock(owned_mutex_);
+  const MutexLock lock(owned_mutex_);
   owned_.erase(mesh);
   return status;
 }

@@ -23,11 +23,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/journal/journal.h"
 #include "server/journal/mesh_import.h"
 #include "server/journal/open_postgres.h"
@@ -98,11 +98,15 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
  private:
   // A mesh that this object claimed.
   struct Owned {
-    std::mutex mutex;                     // held during an append
-    absl::Status gone;                    // not OK: disowned, and why
-    postgres::Belief is;                  // while it is owned
-    std::atomic<std::int64_t> epoch{0};   // as in `is`; 0: disowned. Without the mutex
-    std::chrono::nanoseconds claimed{0};  // when the claim was sent, as BootTime
+    // `sent`: when the claim was, as BootTime.
+    Owned(const postgres::Belief& belief, std::chrono::nanoseconds sent)
+        : is(belief), epoch(belief.epoch), claimed(sent) {}
+
+    Mutex mutex;                                 // held during an append
+    absl::Status gone ABSL_GUARDED_BY(mutex);    // not OK: disowned, and why
+    postgres::Belief is ABSL_GUARDED_BY(mutex);  // while it is owned
+    std::atomic<std::int64_t> epoch;             // as in `is`; 0: disowned. Without the mutex
+    std::chrono::nanoseconds claimed ABSL_GUARDED_BY(mutex);
   };
   using OwnedPtr = std::shared_ptr<Owned>;
 
@@ -111,6 +115,7 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   bool is_shared() const { return options_.lease > absl::ZeroDuration(); }
   // One claim, forced or of a free mesh.
   postgres::Claimed ClaimOn(postgres::Session& session, Key mesh) const;
+  absl::Status ClaimNow(Key mesh);
   OwnedPtr Find(Key mesh);
   void Keep(Key mesh, const postgres::Belief& belief, std::chrono::nanoseconds claimed);
   // Counts a writing call by its status, and returns it.
@@ -123,18 +128,22 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   // The same for a change that clients see: UNKNOWN if its outcome was not found out.
   absl::Status Change(const Step& step);
 
-  // With the mesh's mutex.
-  absl::Status AppendGroup(Key mesh, Owned& owned, const postgres::GroupAppend& group);
+  absl::Status AppendGroup(Key mesh, Owned& owned, const postgres::GroupAppend& group)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(owned.mutex);
   absl::Status Resolve(Key mesh, Owned& owned, const postgres::GroupAppend& group,
-                       std::chrono::nanoseconds end, bool* is_there);
+                       std::chrono::nanoseconds end, bool* is_there)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(owned.mutex);
   // With leases: how long this server certainly has the mesh from now on; at most 0: another one
   // may have it.
-  std::chrono::nanoseconds LeaseLeft(const Owned& owned) const;
+  std::chrono::nanoseconds LeaseLeft(const Owned& owned) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(owned.mutex);
   // How long a new connection is waited for; `owned`: the mesh whose outcome is looked for.
-  std::chrono::nanoseconds Patience(const Owned* owned = nullptr) const;
+  std::chrono::nanoseconds Patience() const;
+  std::chrono::nanoseconds Patience(const Owned& owned) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(owned.mutex);
   // Why nothing can be written to a mesh that this object never claimed.
   absl::Status NotClaimed(Key mesh);
-  absl::Status Disown(Owned& owned, absl::Status why);
+  absl::Status Disown(Owned& owned, absl::Status why) ABSL_EXCLUSIVE_LOCKS_REQUIRED(owned.mutex);
 
   // Snapshots, without the mesh's mutex (postgres_snapshots.cc).
   absl::Status CompactIn(Key mesh, Owned& owned, std::uint64_t revision,
@@ -155,8 +164,8 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   postgres::Pool keeper_;    // for leases, which must not wait for appends
   postgres::Pool follower_;  // for tails, which must not wait for long reads
 
-  std::mutex owned_mutex_;
-  std::map<Key, OwnedPtr> owned_;
+  Mutex owned_mutex_;
+  std::map<Key, OwnedPtr> owned_ ABSL_GUARDED_BY(owned_mutex_);
   WritesUnderWay under_way_;
 
   std::atomic<std::int64_t> renewed_{0};  // when the last renewal was sent, as BootTime

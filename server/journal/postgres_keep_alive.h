@@ -8,13 +8,12 @@
 #ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_KEEP_ALIVE_H_
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_KEEP_ALIVE_H_
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/journal/postgres_session.h"
 
 namespace dynmesh::server::postgres {
@@ -23,25 +22,26 @@ class KeepAlive {
  public:
   // `session`, in a transaction, outlives it. Only the caller uses the session, except in While.
   // `interval`: between two statements of the thread.
-  KeepAlive(Session& session, absl::Duration interval);
+  KeepAlive(Session& session, absl::Duration interval) ABSL_NO_THREAD_SAFETY_ANALYSIS;
   KeepAlive(const KeepAlive&) = delete;
   KeepAlive& operator=(const KeepAlive&) = delete;
-  ~KeepAlive();
+  ~KeepAlive() ABSL_NO_THREAD_SAFETY_ANALYSIS;
 
   // Calls `work`, which does not use the session, and keeps the transaction meanwhile. The status
   // of `work`, or why the transaction was lost.
-  absl::Status While(const std::function<absl::Status()>& work);
+  absl::Status While(const std::function<absl::Status()>& work) ABSL_NO_THREAD_SAFETY_ANALYSIS;
 
  private:
   void Run();
 
   Session& session_;
   const absl::Duration interval_;
-  std::mutex mutex_;
-  std::unique_lock<std::mutex> reading_;  // the caller's hold on the session
-  std::condition_variable wake_;
-  bool stopping_ = false;
-  absl::Status lost_;
+  // For the session. The caller's thread holds it as long as this object lives, but in While: no
+  // scope is that long, so the functions of the caller are not checked.
+  Mutex mutex_;
+  CondVar wake_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status lost_ ABSL_GUARDED_BY(mutex_);
   std::thread thread_;
 };
 

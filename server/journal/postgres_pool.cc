@@ -3,42 +3,46 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server::postgres {
 
 // A connection that a thread makes, and for which a caller waits for a while.
 struct Pool::Attempt {
-  std::mutex mutex;
-  std::condition_variable ended;
-  bool is_over = false, is_left = false;  // it has ended; the caller waits no more
-  absl::StatusOr<std::unique_ptr<Session>> session = absl::UnavailableError("no connection yet");
+  Mutex mutex;
+  CondVar ended;
+  bool is_over ABSL_GUARDED_BY(mutex) = false;
+  bool is_left ABSL_GUARDED_BY(mutex) = false;  // the caller waits no more
+  absl::StatusOr<std::unique_ptr<Session>> session ABSL_GUARDED_BY(mutex) =
+      absl::UnavailableError("no connection yet");
 };
 
-void Pool::WaitForRoom(std::unique_lock<std::mutex>& lock) {
-  returned_.wait(lock, [this] { return in_use_ < limit_; });
+void Pool::WaitForRoom() {
+  returned_.Wait(mutex_,
+                 [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return in_use_ < limit_; });
   ++in_use_;
 }
 
 absl::StatusOr<Pool::Lease> Pool::Take(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> stale;  // closed without the lock
-  std::unique_lock lock(mutex_);
-  WaitForRoom(lock);
+  MutexLock lock(mutex_);
+  WaitForRoom();
   while (!idle_.empty()) {
     std::unique_ptr<Session> session = std::move(idle_.back());
     idle_.pop_back();
     if (!session->IsStale()) return Lease(this, std::move(session));
     stale.push_back(std::move(session));
   }
-  lock.unlock();
+  lock.Unlock();
   return Connect(patience);
 }
 
 absl::StatusOr<Pool::Lease> Pool::TakeFresh(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> closed;
   {
-    std::unique_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     closed.swap(idle_);
-    WaitForRoom(lock);
+    WaitForRoom();
   }
   closed.clear();
   return Connect(patience);
@@ -56,7 +60,7 @@ absl::StatusOr<Pool::Lease> Pool::Connect(std::chrono::nanoseconds patience) {
 absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patience) {
   const auto attempt = std::make_shared<Attempt>();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::erase_if(attempts_, [](const std::future<void>& other) {
       return other.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     });
@@ -64,15 +68,17 @@ absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patienc
       attempts_.push_back(
           std::async(std::launch::async, [this, attempt] { RunAttempt(*attempt); }));
     } catch (const std::system_error& error) {
+      const MutexLock ending(attempt->mutex);
       attempt->is_over = true;
       attempt->session = absl::UnavailableError(absl::StrCat("no thread: ", error.what()));
     }
   }
   absl::Status none;
   {
-    std::unique_lock lock(attempt->mutex);
-    attempt->is_left =
-        !attempt->ended.wait_for(lock, patience, [&attempt] { return attempt->is_over; });
+    const MutexLock lock(attempt->mutex);
+    attempt->is_left = !attempt->ended.WaitFor(
+        attempt->mutex, patience,
+        [&attempt]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(attempt->mutex) { return attempt->is_over; });
     if (!attempt->is_left && attempt->session.ok()) {
       return Lease(this, *std::move(attempt->session));
     }
@@ -87,26 +93,26 @@ absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patienc
 void Pool::RunAttempt(Attempt& attempt) {
   absl::StatusOr<std::unique_ptr<Session>> session =
       Session::Connect(conninfo_, between_statements_);
-  std::unique_lock lock(attempt.mutex);
+  MutexLock lock(attempt.mutex);
   attempt.is_over = true;
   if (attempt.is_left) {
-    lock.unlock();
-    const std::lock_guard pool_lock(mutex_);
+    lock.Unlock();
+    const MutexLock pool_lock(mutex_);
     const bool is_room = in_use_ + static_cast<int>(idle_.size()) < limit_;
     if (session.ok() && is_room) idle_.push_back(*std::move(session));
     return;
   }
   attempt.session = std::move(session);
-  attempt.ended.notify_one();
+  attempt.ended.NotifyOne();
 }
 
 void Pool::Return(std::unique_ptr<Session> session) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     --in_use_;
     if (session != nullptr && session->usable()) idle_.push_back(std::move(session));
   }
-  returned_.notify_one();
+  returned_.NotifyOne();
 }
 
 }  // namespace dynmesh::server::postgres

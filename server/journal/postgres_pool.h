@@ -4,16 +4,15 @@
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_
 
 #include <chrono>
-#include <condition_variable>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/journal/postgres_session.h"
 
 namespace dynmesh::server::postgres {
@@ -59,17 +58,18 @@ class Pool {
   absl::StatusOr<Lease> Connect(std::chrono::nanoseconds patience);
   absl::StatusOr<Lease> ConnectWithin(std::chrono::nanoseconds patience);
   void RunAttempt(Attempt& attempt);
-  void WaitForRoom(std::unique_lock<std::mutex>& lock);
+  void WaitForRoom() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Return(std::unique_ptr<Session> session);
 
   const std::string conninfo_;
   const int limit_;
   const absl::Duration between_statements_;
-  std::mutex mutex_;
-  std::condition_variable returned_;
-  std::vector<std::unique_ptr<Session>> idle_;
-  int in_use_ = 0;
-  std::vector<std::future<void>> attempts_;  // last: waits for them, and they use the others
+  Mutex mutex_;
+  CondVar returned_;
+  std::vector<std::unique_ptr<Session>> idle_ ABSL_GUARDED_BY(mutex_);
+  int in_use_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Last: waits for them, and they use the others.
+  std::vector<std::future<void>> attempts_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server::postgres

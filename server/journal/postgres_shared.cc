@@ -90,7 +90,7 @@ absl::Status PostgresJournal::SetFollows(Key mesh, bool follows) {
 absl::StatusOr<std::int64_t> PostgresJournal::HandOver(Key mesh, const std::string& address) {
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
-  const std::lock_guard lock(owned->mutex);
+  const MutexLock lock(owned->mutex);
   if (!owned->gone.ok()) return owned->gone;
   absl::StatusOr<SessionLease> session = writers_.Take();
   if (!session.ok()) return session.status();

@@ -30,7 +30,7 @@ absl::Status PostgresJournal::SnapshotStep(
   while (true) {
     std::int64_t epoch = 0;
     {
-      const std::lock_guard lock(owned.mutex);
+      const MutexLock lock(owned.mutex);
       if (!owned.gone.ok()) return owned.gone;
       if (static_cast<std::int64_t>(revision) > owned.is.head) return NoSnapshotAt(revision);
       epoch = owned.is.epoch;
@@ -40,7 +40,7 @@ absl::Status PostgresJournal::SnapshotStep(
     absl::Status status = Counted(session.ok() ? work(**session, epoch) : session.status());
     if (!absl::IsAborted(status)) return status;
     // An append with an unknown outcome may have claimed the mesh again.
-    const std::lock_guard lock(owned.mutex);
+    const MutexLock lock(owned.mutex);
     if (!owned.gone.ok()) return owned.gone;
     if (owned.is.epoch == epoch) return status;
   }
@@ -79,7 +79,7 @@ absl::Status PostgresJournal::CompactIn(Key mesh, Owned& owned, std::uint64_t re
 bool PostgresJournal::Sweep(Key mesh) {
   std::int64_t epoch = 0;  // no mesh has it
   if (const OwnedPtr owned = Find(mesh); owned != nullptr) {
-    const std::lock_guard lock(owned->mutex);
+    const MutexLock lock(owned->mutex);
     if (owned->gone.ok()) epoch = owned->is.epoch;
   }
   absl::StatusOr<Lease> session = writers_.Take(Patience());

@@ -31,7 +31,7 @@ absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries
   const WritesUnderWay::Write write(under_way_);
   const OwnedPtr owned = Find(mesh);
   if (owned == nullptr) return NotClaimed(mesh);
-  const std::lock_guard lock(owned->mutex);
+  const MutexLock lock(owned->mutex);
   if (!owned->gone.ok()) return owned->gone;
   std::int64_t last = owned->is.head;
   for (const Entry& entry : entries) {
@@ -55,12 +55,14 @@ nanoseconds PostgresJournal::LeaseLeft(const Owned& owned) const {
 }
 
 // Some time in any case: the database may be there again although the lease has ended.
-nanoseconds PostgresJournal::Patience(const Owned* owned) const {
+nanoseconds PostgresJournal::Patience() const {
   if (!is_shared()) return postgres::Pool::kUntilItEnds;
-  if (owned == nullptr) {
-    return absl::ToChronoNanoseconds(std::max(options_.lease / 4, absl::Seconds(1)));
-  }
-  return std::max(LeaseLeft(*owned), absl::ToChronoNanoseconds(options_.lease / 10));
+  return absl::ToChronoNanoseconds(std::max(options_.lease / 4, absl::Seconds(1)));
+}
+
+nanoseconds PostgresJournal::Patience(const Owned& owned) const {
+  if (!is_shared()) return postgres::Pool::kUntilItEnds;
+  return std::max(LeaseLeft(owned), absl::ToChronoNanoseconds(options_.lease / 10));
 }
 
 absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupAppend& group) {
@@ -69,7 +71,7 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     {
       // Threads are few, and other meshes wait for one: after the lease only for a short time.
-      absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(&owned)));
+      absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(owned)));
       if (!session.ok()) return session.status();
       // What was sent earlier is known to be not there.
       if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
@@ -99,7 +101,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
   absl::Status last;
   nanoseconds pause = std::chrono::milliseconds(20);
   while (true) {
-    absl::StatusOr<Lease> session = writers_.TakeFresh(Patience(&owned));
+    absl::StatusOr<Lease> session = writers_.TakeFresh(Patience(owned));
     last = session.status();
     if (session.ok()) {
       const postgres::Claimed claimed = postgres::ClaimAgain(**session, mesh, owner_);

@@ -28,16 +28,16 @@ Snapshots::Snapshots(Journal* journal, std::function<void(const Made&)> observe)
 
 void Snapshots::Make(Order order) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!stopped_) {
       orders_.insert(order.ended);
       taker_.Post([this, shared = std::make_shared<Order>(std::move(order))] {
         const Made made = Work(*shared);
         if (made.status.ok() && observe_ != nullptr) observe_(made);
         shared->done(made);
-        const std::lock_guard done(mutex_);
+        const MutexLock done(mutex_);
         orders_.erase(shared->ended);
-        idle_.notify_all();
+        idle_.NotifyAll();
       });
       return;
     }
@@ -48,13 +48,13 @@ void Snapshots::Make(Order order) {
 }
 
 void Snapshots::Wait() {
-  std::unique_lock lock(mutex_);
-  idle_.wait(lock, [this] { return orders_.empty(); });
+  const MutexLock lock(mutex_);
+  idle_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return orders_.empty(); });
 }
 
 void Snapshots::Stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopped_ = true;
     for (const auto& ended : orders_) *ended = true;
   }

@@ -13,17 +13,16 @@
 #define DYNMESH_SERVER_JOURNAL_SNAPSHOTS_H_
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 #include "dynmesh/codec/features_at.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/journal.h"
@@ -75,10 +74,11 @@ class Snapshots {
 
   Journal* const journal_;
   const std::function<void(const Made&)> observe_;
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  std::set<std::shared_ptr<std::atomic<bool>>> orders_;  // by their flag: not done
-  bool stopped_ = false;
+  Mutex mutex_;
+  CondVar idle_;
+  // By their flag: not done.
+  std::set<std::shared_ptr<std::atomic<bool>>> orders_ ABSL_GUARDED_BY(mutex_);
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   WorkerPool writer_{1};
   WorkerPool taker_{1, WorkerPool::Priority::kBackground};
 };

@@ -85,29 +85,30 @@ absl::Status SqliteJournal::Write(const Change& change) {
   if (!sealed_.ok()) return sealed_;
   const WritesUnderWay::Write write(under_way_);
   Waiting mine{&change, {}};
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
   waiting_.push_back(&mine);
-  ended_.wait(lock, [&] { return mine.done || !writing_; });
-  if (!mine.done) WriteAll(lock);
+  ended_.Wait(mutex_,
+              [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return mine.done || !writing_; });
+  if (!mine.done) WriteAll();
   return mine.result;
 }
 
 void SqliteJournal::EndWrites(const absl::Status& why) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   under_way_.End(why);
   for (Waiting* waiting : std::exchange(waiting_, {})) {
     waiting->result = why;
     waiting->done = true;
   }
-  ended_.notify_all();
+  ended_.NotifyAll();
 }
 
 // On the caller's own thread, which saves two thread switches.
-void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
+void SqliteJournal::WriteAll() {
   writing_ = true;
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
-  lock.unlock();
+  mutex_.Unlock();
   const bool failed_before = failed_;
   bool refused = false;
   absl::Status status = failed_before ? Probe(&refused) : absl::OkStatus();
@@ -124,13 +125,13 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
     heads_->Publish(LogPosition());
     checkpointer_.Committed(log_pages_, writer_);
   }
-  lock.lock();
+  mutex_.Lock();
   for (Waiting* waiting : group) {
     if (!status.ok()) waiting->result = status;
     waiting->done = true;
   }
   writing_ = false;
-  ended_.notify_all();
+  ended_.NotifyAll();
 }
 
 // Not OK: the group had no effect.
@@ -235,7 +236,7 @@ absl::Status SqliteJournal::Delete(Key mesh) {
 }
 
 bool SqliteJournal::TakeMissing(Key mesh) {
-  const std::lock_guard lock(losses_mutex_);
+  const MutexLock lock(losses_mutex_);
   const auto it = losses_.find(mesh);
   if (it == losses_.end() || it->second.found.key != 0) return false;
   losses_.erase(it);
@@ -244,7 +245,7 @@ bool SqliteJournal::TakeMissing(Key mesh) {
 
 absl::Status SqliteJournal::CheckWritable(Key mesh) {
   if (!has_losses_) return absl::OkStatus();
-  const std::lock_guard lock(losses_mutex_);
+  const MutexLock lock(losses_mutex_);
   const auto it = losses_.find(mesh);
   return it == losses_.end() ? absl::OkStatus() : absl::DataLossError(it->second.Text());
 }

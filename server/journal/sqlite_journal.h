@@ -22,13 +22,12 @@
 #define DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
 
 #include <atomic>
-#include <condition_variable>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/journal/checkpointer.h"
 #include "server/journal/folder_lock.h"
 #include "server/journal/heads_file.h"
@@ -115,7 +114,7 @@ class SqliteJournal final : public Journal, public MeshImport {
   void SweepWhole(Key mesh);
   void SweepAll();
   // Called by the writing thread.
-  void WriteAll(std::unique_lock<std::mutex>& lock);
+  void WriteAll() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // `refused` is set if the files are gone: nothing was handed to the disk.
   absl::Status Commit(const std::vector<Waiting*>& group, bool* refused);
   absl::Status Probe(bool* refused);
@@ -142,8 +141,8 @@ class SqliteJournal final : public Journal, public MeshImport {
 
   const absl::Status sealed_;  // not OK: read only
   const bool has_losses_;      // when it was opened
-  std::mutex losses_mutex_;
-  std::map<Key, Loss> losses_;
+  Mutex losses_mutex_;
+  std::map<Key, Loss> losses_ ABSL_GUARDED_BY(losses_mutex_);
 
   // Used by the writing thread only.
   sqlite::Connection writer_;
@@ -157,10 +156,10 @@ class SqliteJournal final : public Journal, public MeshImport {
   std::atomic<std::uint64_t> syncs_{0};
   std::atomic<std::uint64_t> failures_{0};
 
-  std::mutex mutex_;
-  std::condition_variable ended_;  // a transaction ended
-  std::vector<Waiting*> waiting_;
-  bool writing_ = false;
+  Mutex mutex_;
+  CondVar ended_;  // a transaction ended
+  std::vector<Waiting*> waiting_ ABSL_GUARDED_BY(mutex_);
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   WritesUnderWay under_way_;
   std::atomic<bool> told_of_another_{false};
 

@@ -178,7 +178,7 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
 
 void SqliteJournal::AddLosses(std::vector<Mesh>* meshes) {
   for (Mesh& mesh : *meshes) mesh.loss = sealed_.ok() ? CheckWritable(mesh.key) : sealed_;
-  const std::lock_guard lock(losses_mutex_);
+  const MutexLock lock(losses_mutex_);
   for (const auto& [key, loss] : losses_) {
     if (loss.found.key != 0) continue;
     meshes->push_back({key, loss.name, "", 0, absl::DataLossError(loss.Text()), absl::OkStatus()});

@@ -5,10 +5,10 @@
 #define DYNMESH_SERVER_JOURNAL_WRITES_UNDER_WAY_H_
 
 #include <chrono>
-#include <mutex>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -20,7 +20,7 @@ class WritesUnderWay {
   class Write {
    public:
     explicit Write(WritesUnderWay& all) : all_(all) {
-      const std::lock_guard lock(all_.mutex_);
+      const MutexLock lock(all_.mutex_);
       since_ = Clock::now();
       before_ = all_.newest_;
       (before_ != nullptr ? before_->after_ : all_.oldest_) = this;
@@ -29,7 +29,7 @@ class WritesUnderWay {
     Write(const Write&) = delete;
     Write& operator=(const Write&) = delete;
     ~Write() {
-      const std::lock_guard lock(all_.mutex_);
+      const MutexLock lock(all_.mutex_);
       (before_ != nullptr ? before_->after_ : all_.oldest_) = after_;
       (after_ != nullptr ? after_->before_ : all_.newest_) = before_;
     }
@@ -43,26 +43,27 @@ class WritesUnderWay {
 
   // From now on ended() is `why`. The first call counts.
   void End(const absl::Status& why) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (ended_.ok()) ended_ = why;
   }
   // Not OK: what is not handed to the disk or the database yet is refused with this.
   absl::Status ended() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return ended_;
   }
 
   // The age of the oldest; zero if there is none.
   absl::Duration Oldest() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (oldest_ == nullptr) return absl::ZeroDuration();
     return absl::FromChrono(Clock::now() - oldest_->since_);
   }
 
  private:
-  mutable std::mutex mutex_;
-  Write *oldest_ = nullptr, *newest_ = nullptr;
-  absl::Status ended_;
+  mutable Mutex mutex_;
+  Write* oldest_ ABSL_GUARDED_BY(mutex_) = nullptr;
+  Write* newest_ ABSL_GUARDED_BY(mutex_) = nullptr;
+  absl::Status ended_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

@@ -4,24 +4,13 @@
 
 namespace dynmesh::server {
 
-void BatchActivity::Begin(Activity& activity, const EditJob& job, const BatchProgress& progress) {
-  const auto now = MetricsClock::now();
-  const std::lock_guard lock(mutex_);
-  activity = {&job, progress, now, now};
-}
-
-void BatchActivity::End(Activity& activity) {
-  const std::lock_guard lock(mutex_);
-  activity.job = nullptr;
-}
-
 void BatchActivity::SetProgress(const BatchProgress& progress) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   apply_.progress = progress;
 }
 
 std::optional<BatchActivity::Running> BatchActivity::running() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const Activity& activity = apply_.job != nullptr ? apply_ : append_;
   if (activity.job == nullptr) return std::nullopt;
   return Running{activity.job->edits.size(), activity.progress};
@@ -30,7 +19,7 @@ std::optional<BatchActivity::Running> BatchActivity::running() const {
 void BatchActivity::ReportLongWork(absl::Duration interval, absl::string_view mesh,
                                    std::uint64_t features, std::size_t waiting) {
   const auto now = MetricsClock::now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Activity& activity = apply_.job != nullptr ? apply_ : append_;
   if (activity.job == nullptr || absl::FromChrono(now - activity.reported) < interval) return;
   activity.reported = now;

@@ -5,11 +5,11 @@
 #define DYNMESH_SERVER_MESHES_BATCH_ACTIVITY_H_
 
 #include <cstddef>
-#include <mutex>
 #include <optional>
 
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/meshes/batch_progress.h"
 #include "server/meshes/edit_job.h"
 #include "server/metrics/server_metrics.h"
@@ -24,13 +24,28 @@ class BatchActivity {
   };
 
   // By the writer. A job lives until the end.
-  void BeginApply(const EditJob& job) { Begin(apply_, job, {}); }
+  void BeginApply(const EditJob& job) {
+    const MutexLock lock(mutex_);
+    apply_ = Begun(job, {});
+  }
   void SetProgress(const BatchProgress& progress);
-  void EndApply() { End(apply_); }
-  void BeginAppend(const EditJob& job) { Begin(append_, job, BatchProgress::Journal()); }
-  void EndAppend() { End(append_); }
-  // By the writer, while it applies a batch: for how long.
-  MetricsClock::duration applying() const { return MetricsClock::now() - apply_.since; }
+  void EndApply() {
+    const MutexLock lock(mutex_);
+    apply_.job = nullptr;
+  }
+  void BeginAppend(const EditJob& job) {
+    const MutexLock lock(mutex_);
+    append_ = Begun(job, BatchProgress::Journal());
+  }
+  void EndAppend() {
+    const MutexLock lock(mutex_);
+    append_.job = nullptr;
+  }
+  // By the writer, while it applies a batch: for how long. Needs no lock: the writer alone writes
+  // what it reads here.
+  MetricsClock::duration applying() const ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    return MetricsClock::now() - apply_.since;
+  }
 
   std::optional<Running> running() const;
   // Logs the batch if it has run for more than `interval`; at most once per interval. `features` is
@@ -46,11 +61,13 @@ class BatchActivity {
     MetricsClock::time_point reported;  // or since
   };
 
-  void Begin(Activity& activity, const EditJob& job, const BatchProgress& progress);
-  void End(Activity& activity);
+  static Activity Begun(const EditJob& job, const BatchProgress& progress) {
+    const auto now = MetricsClock::now();
+    return {&job, progress, now, now};
+  }
 
-  mutable std::mutex mutex_;
-  Activity apply_, append_;
+  mutable Mutex mutex_;
+  Activity apply_ ABSL_GUARDED_BY(mutex_), append_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

@@ -55,11 +55,11 @@ Followers::Followers(SharedJournal* journal, std::string address, const Options&
 
 void Followers::Kick() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     kick_ = true;
   }
-  kicked_.notify_one();
-  idle_.notify_all();
+  kicked_.NotifyOne();
+  idle_.NotifyAll();
 }
 
 bool Followers::IsThereLocked(const FollowerPtr& follower) const {
@@ -74,7 +74,7 @@ void Followers::Read(const std::string& id, std::uint64_t min_revision, Clock::t
   HostPtr host;
   MeshOwner owner;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto it = by_id_.find(id);
     const FollowerPtr follower = it != by_id_.end() ? it->second : AddLocked(id);
     if (follower != nullptr) {
@@ -102,7 +102,7 @@ Followers::FollowerPtr Followers::AddLocked(const std::string& id) {
   follower->used = follower->caught_up = Clock::now();
   by_id_[id] = follower;
   kick_ = true;
-  kicked_.notify_one();
+  kicked_.NotifyOne();
   pool_.Post([this, follower] {
     const Clock::time_point begin = Clock::now();
     OpenOne(follower);
@@ -112,9 +112,9 @@ Followers::FollowerPtr Followers::AddLocked(const std::string& id) {
 }
 
 void Followers::Rest(Clock::duration worked) {
-  std::unique_lock lock(mutex_);
-  idle_.wait_for(lock, std::min<Clock::duration>(kRest * worked, kMostRest),
-                 [this] { return settled_; });
+  const MutexLock lock(mutex_);
+  idle_.WaitFor(mutex_, std::min<Clock::duration>(kRest * worked, kMostRest),
+                [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return settled_; });
 }
 
 absl::Status Followers::CheckRoomLocked(const Follower& follower) const {
@@ -139,7 +139,7 @@ absl::Status Followers::LookUp(const FollowerPtr& follower, bool* is_free) {
   if (*is_free) return absl::OkStatus();
   const MeshOwner owner{place->address, place->epoch};
   absl::Status room = calls_.check_room == nullptr ? absl::OkStatus() : calls_.check_room();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   follower->mesh = place->mesh;
   follower->owner = owner;
   if (room.ok()) room = CheckRoomLocked(*follower);
@@ -172,7 +172,7 @@ void Followers::OpenOne(const FollowerPtr& follower) {
   std::vector<Waiter> waiters;
   bool is_there = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     is_there = IsThereLocked(follower);
     waiters.swap(follower->waiters);
     if (is_there && host != nullptr) {
@@ -204,13 +204,13 @@ void Followers::Drop(const FollowerPtr& follower, const absl::Status& status) {
   std::vector<Waiter> waiters;
   HostPtr host;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!IsThereLocked(follower)) return;
     by_id_.erase(follower->id);
     waiters.swap(follower->waiters);
     host = std::move(follower->host);
   }
-  idle_.notify_all();
+  idle_.NotifyAll();
   if (host != nullptr) host->Close(status);
   for (const Waiter& waiter : waiters) waiter.done(status);
   // A large mesh takes long to free.
@@ -223,7 +223,7 @@ void Followers::Distrust(const FollowerPtr& follower, const absl::Status& status
   if (absl::IsUnimplemented(status)) {
     // Another version writes the mesh: as after two mismatches, but nothing is wrong.
     Log(LogLevel::kInfo, "not_followed", {{"mesh", follower->id}, {"reason", status.message()}});
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     mismatches_[follower->mesh.key] = kMostMismatches;
     return;
   }
@@ -235,7 +235,7 @@ void Followers::Distrust(const FollowerPtr& follower, const absl::Status& status
   if (metrics_ != nullptr) metrics_->mismatches.Add();
   int times = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     times = ++mismatches_[follower->mesh.key];
   }
   Log(LogLevel::kError, "follower_mismatch",
@@ -247,12 +247,13 @@ void Followers::Distrust(const FollowerPtr& follower, const absl::Status& status
 // ------------------------------------------------------------------ the journal's news
 
 void Followers::Run() {
+  of_thread_.AssertHeld();
   Clock::time_point next_look = Clock::now();
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!stopped_) {
     kick_ = false;
     const bool looks = options_.per_mesh > 0 && !settled_ && Clock::now() >= next_look;
-    lock.unlock();
+    lock.Unlock();
     if (looks) {
       Ask();
       TakeWishes();
@@ -261,10 +262,11 @@ void Followers::Run() {
     const bool news = Poll();
     Expire();
     DropUnused(Clock::now());
-    lock.lock();
+    lock.Lock();
     Clock::time_point next = Clock::now() + (news ? options_.poll_after_news : options_.poll);
     if (by_id_.empty()) next = options_.per_mesh > 0 && !settled_ ? next_look : next + kNothing;
-    kicked_.wait_until(lock, next, [this] { return kick_ || stopped_; });
+    kicked_.WaitUntil(mutex_, next,
+                      [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return kick_ || stopped_; });
   }
 }
 
@@ -272,7 +274,7 @@ bool Followers::Poll() {
   std::vector<Position> positions;
   std::map<Journal::Key, FollowerPtr> asked;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, follower] : by_id_) {
       if (follower->busy) continue;
       positions.push_back(follower->position);
@@ -298,7 +300,7 @@ bool Followers::Judge(const FollowerPtr& follower, const Tail& tail) {
   bool takes = false;
   HostPtr host;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (follower->busy || !IsThereLocked(follower)) return false;  // it is taken over meanwhile
     host = follower->host;
     follower->head = tail.head;
@@ -318,7 +320,7 @@ bool Followers::Judge(const FollowerPtr& follower, const Tail& tail) {
   } else if (applies) {
     const Position reached = After(follower->position, tail);
     host->Follow(tail, [life = life_, follower, reached](const absl::Status& status) {
-      const std::lock_guard lock(life->mutex);
+      const MutexLock lock(life->mutex);
       if (life->it != nullptr) life->it->Applied(follower, reached, status);
     });
   } else if (takes) {
@@ -328,7 +330,7 @@ bool Followers::Judge(const FollowerPtr& follower, const Tail& tail) {
 }
 
 void Followers::EndTaking(const FollowerPtr& follower) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   follower->taking = false;
 }
 
@@ -337,7 +339,7 @@ void Followers::Applied(const FollowerPtr& follower, const Position& reached,
                         const absl::Status& status) {
   if (status.ok()) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       follower->position = reached;
       const Clock::time_point now = Clock::now();
       if (follower->wanted) follower->used = now;
@@ -346,8 +348,8 @@ void Followers::Applied(const FollowerPtr& follower, const Position& reached,
       // Behind still: at once.
       if (follower->head > reached.revision) kick_ = true;
     }
-    kicked_.notify_one();
-    idle_.notify_all();
+    kicked_.NotifyOne();
+    idle_.NotifyAll();
     return;
   }
   Distrust(follower, status);
@@ -359,7 +361,7 @@ void Followers::Expire() {
   std::vector<std::pair<absl::Status, Done>> late;
   std::vector<HostPtr> hosts;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, follower] : by_id_) {
       if (follower->host != nullptr) hosts.push_back(follower->host);
       auto& waiters = follower->waiters;
@@ -382,7 +384,7 @@ absl::Status Followers::Apply(const HostPtr& host, const Tail& tail) {
   host->Follow(tail, [applied](absl::Status s) { applied->set_value(std::move(s)); });
   // The writers may have ended.
   while (end.wait_for(options_.poll) != std::future_status::ready) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (stopped_) return absl::UnavailableError("the server has ended");
   }
   return end.get();
@@ -392,7 +394,7 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
                                                        const std::function<absl::Status()>& claim) {
   FollowerPtr follower;
   {
-    std::unique_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto it = by_id_.find(mesh.id);
     if (it == by_id_.end() || stopped_) return HostPtr();
     follower = it->second;
@@ -402,7 +404,9 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
       return HostPtr();
     }
     // Applying ends: each batch has ended before, at the owner.
-    idle_.wait(lock, [&] { return !follower->busy || !IsThereLocked(follower) || stopped_; });
+    idle_.Wait(mutex_, [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return !follower->busy || !IsThereLocked(follower) || stopped_;
+    });
     if (!IsThereLocked(follower) || stopped_ || follower->mesh.key != mesh.key) return HostPtr();
     follower->busy = true;
   }
@@ -415,7 +419,7 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
     status = tail.exists ? tail.damage : absl::NotFoundError("the mesh was deleted");
     if (!status.ok()) break;
     if (!HasNews(tail) && tail.head == follower->position.revision) {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       by_id_.erase(follower->id);
       follower->host->Lead();
       if (metrics_ != nullptr) metrics_->takeovers.Add();
@@ -427,7 +431,7 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
   }
   if (absl::IsAborted(status) || absl::IsUnavailable(status) || absl::IsUnknown(status)) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       follower->busy = follower->taking = false;
     }
     Kick();
@@ -443,7 +447,7 @@ absl::StatusOr<Followers::HostPtr> Followers::TakeOver(const Journal::Mesh& mesh
 std::vector<Followers::Followed> Followers::List() const {
   const Clock::time_point now = Clock::now();
   std::vector<Followed> list;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [id, follower] : by_id_) {
     if (follower->host == nullptr) continue;
     const std::uint64_t has = follower->host->head().revision;
@@ -460,10 +464,10 @@ std::vector<Followers::Followed> Followers::List() const {
 
 void Followers::Settle() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     settled_ = true;
   }
-  idle_.notify_all();
+  idle_.NotifyAll();
 }
 
 void Followers::CloseWatches(const absl::Status& status) {
@@ -473,16 +477,16 @@ void Followers::CloseWatches(const absl::Status& status) {
 void Followers::Stop() {
   std::vector<FollowerPtr> followers;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     settled_ = true;
     if (std::exchange(stopped_, true)) return;
     for (const auto& [id, follower] : by_id_) followers.push_back(follower);
   }
-  kicked_.notify_all();
-  idle_.notify_all();
+  kicked_.NotifyAll();
+  idle_.NotifyAll();
   thread_.join();
   {
-    const std::lock_guard lock(life_->mutex);
+    const MutexLock lock(life_->mutex);
     life_->it = nullptr;
   }
   pool_.Stop();

@@ -25,18 +25,17 @@
 #define DYNMESH_SERVER_MESHES_FOLLOWERS_H_
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/mutex.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/shared_journal.h"
 #include "server/meshes/mesh_host.h"
@@ -138,13 +137,13 @@ class Followers {
 
   // For callbacks on strands, which may run when the followers are gone.
   struct Life {
-    std::mutex mutex;
-    Followers* it;
+    Mutex mutex;
+    Followers* it ABSL_GUARDED_BY(mutex);
   };
 
   void Run();
   // True if there is news.
-  bool Poll();
+  bool Poll() ABSL_EXCLUSIVE_LOCKS_REQUIRED(of_thread_);
   bool Judge(const FollowerPtr& follower, const SharedJournal::Tail& tail);
   void EndTaking(const FollowerPtr& follower);
   // Waits for it.
@@ -153,8 +152,8 @@ class Followers {
                const absl::Status& status);
   void Expire();
   // Asks for followers of this node's meshes.
-  void Ask();
-  bool IsInUse(const Owned& mesh);
+  void Ask() ABSL_EXCLUSIVE_LOCKS_REQUIRED(of_thread_);
+  bool IsInUse(const Owned& mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(of_thread_);
   // Follows what this node is asked for.
   void TakeWishes();
   void DropUnused(Clock::time_point now);
@@ -164,11 +163,12 @@ class Followers {
   void Rest(Clock::duration worked);
   // OK: the mesh is another node's, and may be followed.
   absl::Status LookUp(const FollowerPtr& follower, bool* is_free);
-  absl::Status CheckRoomLocked(const Follower& follower) const;
-  FollowerPtr AddLocked(const std::string& id);
+  absl::Status CheckRoomLocked(const Follower& follower) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  FollowerPtr AddLocked(const std::string& id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Ends the follower with `status`, unless it has ended.
   void Drop(const FollowerPtr& follower, const absl::Status& status);
-  bool IsThereLocked(const FollowerPtr& follower) const;
+  bool IsThereLocked(const FollowerPtr& follower) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Counts and logs, if the status says that what is here differs from the journal.
   void Distrust(const FollowerPtr& follower, const absl::Status& status);
   void Kick();
@@ -179,16 +179,18 @@ class Followers {
   const Calls calls_;
   FollowerMetrics* const metrics_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable kicked_, idle_;
-  std::map<std::string, FollowerPtr> by_id_;
-  std::map<Journal::Key, int> mismatches_;
-  bool kick_ = false, settled_ = false, stopped_ = false;
+  mutable Mutex mutex_;
+  CondVar kicked_, idle_;
+  std::map<std::string, FollowerPtr> by_id_ ABSL_GUARDED_BY(mutex_);
+  std::map<Journal::Key, int> mismatches_ ABSL_GUARDED_BY(mutex_);
+  bool kick_ ABSL_GUARDED_BY(mutex_) = false;
+  bool settled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
 
-  // Of the thread.
-  std::map<Journal::Key, Seen> seen_;
-  std::uint64_t looks_ = 0;
-  bool failing_ = false;
+  ThreadRole of_thread_;  // the part of thread_
+  std::map<Journal::Key, Seen> seen_ ABSL_GUARDED_BY(of_thread_);
+  std::uint64_t looks_ ABSL_GUARDED_BY(of_thread_) = 0;
+  bool failing_ ABSL_GUARDED_BY(of_thread_) = false;
 
   const std::shared_ptr<Life> life_ = std::make_shared<Life>();
   WorkerPool pool_;

@@ -31,7 +31,7 @@ void Followers::Ask() {
     if (!nodes.ok()) return;
     wishes.push_back({mesh.key, NextNodes(*nodes, address_, mesh.id, options_.per_mesh)});
   }
-  std::erase_if(seen_, [this](const auto& seen) { return seen.second.look != looks_; });
+  std::erase_if(seen_, [now = looks_](const auto& seen) { return seen.second.look != now; });
   // What fails is tried again soon.
   if (!wishes.empty()) journal_->AskToFollow(wishes).IgnoreError();
 }
@@ -39,7 +39,7 @@ void Followers::Ask() {
 void Followers::TakeWishes() {
   const absl::StatusOr<std::vector<std::string>> asked = journal_->AskedToFollow();
   if (!asked.ok()) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [id, follower] : by_id_) follower->wanted = false;
   for (const std::string& id : *asked) {
     const auto it = by_id_.find(id);
@@ -52,7 +52,7 @@ void Followers::TakeWishes() {
 void Followers::DropUnused(Clock::time_point now) {
   std::vector<FollowerPtr> unused;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, follower] : by_id_) {
       if (follower->busy || follower->taking) continue;
       if (follower->host->hub()->size() > 0) follower->used = now;

@@ -87,7 +87,10 @@ std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<Dynam
                                               options, std::move(past)));
   if (host->log_ != nullptr) {
     host->queue_->OnRest([weak = std::weak_ptr(host)] {
-      if (const auto held = weak.lock()) held->AppendAtRest();
+      const auto held = weak.lock();
+      if (held == nullptr) return;
+      held->strand_.AssertHeld();
+      held->AppendAtRest();
     });
   }
   return host;
@@ -118,6 +121,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
                    ? std::nullopt
                    : std::make_optional(past.log->History(past.empty.value_or(mesh->hash())))),
       read_only_(std::move(past.read_only)),
+      follows_(past.follows.has_value()),
       mesh_(std::move(mesh)),
       log_(std::move(past.log)),
       requests_(past.requests.has_value() ? *std::move(past.requests)
@@ -125,7 +129,6 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       pipeline_(options.held),
       snapshots_(options.snapshots),
       seen_snapshot_(past.follows.value_or(0)),
-      follows_(past.follows.has_value()),
       stats_(mesh_->Stats()) {}
 
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh was closed")); }
@@ -137,9 +140,12 @@ absl::Status MeshHost::Apply(EditJob job) {
   absl::StatusOr<Lease> place = TakeWaiting(shared->client);
   if (!place.ok()) return place.status();
   if (*place) shared->waiting = std::make_shared<Lease>(*std::move(place));
-  if (!queue_->TryPost([self, shared] { self->Run(shared); }, max_waiting_, OwnerOf(shared))) {
+  auto task = [self, shared] {
+    self->strand_.AssertHeld();
+    self->Run(shared);
+  };
+  if (!queue_->TryPost(std::move(task), max_waiting_, OwnerOf(shared)))
     return QueueFull(max_waiting_);
-  }
   WithdrawIfCancelled(cancelled);
   return absl::OkStatus();
 }
@@ -148,7 +154,11 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   const auto self = shared_from_this();
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
-  queue_->Post([self, shared] { self->Run(shared); }, OwnerOf(shared));
+  auto task = [self, shared] {
+    self->strand_.AssertHeld();
+    self->Run(shared);
+  };
+  queue_->Post(std::move(task), OwnerOf(shared));
   WithdrawIfCancelled(cancelled);
 }
 
@@ -187,6 +197,7 @@ absl::Status MeshHost::Locate(std::vector<double> points,
   if (!place.ok()) return place.status();
   auto shared = std::make_shared<Waiting>(Waiting{std::move(points), *std::move(place)});
   const auto task = [self = shared_from_this(), shared, done] {
+    self->strand_.AssertHeld();
     if (!self->IsWritten()) return;
     shared->place.Release();
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
@@ -208,6 +219,7 @@ absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
     return absl::OkStatus();
   }
   const auto task = [self = shared_from_this(), revision, done] {
+    self->strand_.AssertHeld();
     done(self->PresentFeatures(revision));  // there is no log, so nothing is held
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
@@ -226,7 +238,7 @@ absl::StatusOr<FeaturesAt> MeshHost::PresentFeatures(std::optional<std::uint64_t
 
 void MeshHost::Close(const absl::Status& status) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     closed_ = status;
   }
   ended_ = true;
@@ -236,12 +248,12 @@ void MeshHost::Close(const absl::Status& status) {
 }
 
 absl::Status MeshHost::closed() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return closed_;
 }
 
 MeshStats MeshHost::stats() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return stats_;
 }
 
@@ -387,16 +399,19 @@ absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& 
       BatchInterrupt(job.cancelled.get(), grows && memory_ != nullptr ? memory_->full() : nullptr);
   apply_options.max_operations = max_operations_;
   apply_options.progress = [&](const ApplyProgress& progress) {
+    strand_.AssertHeld();
     SetProgress(job, progress);
     Relieve();
   };
   const bool held = CanBeHeld(job);
   apply_options.revocable = held;
   apply_options.commit = [&](const MeshDiff& d) {
+    strand_.AssertHeld();
     edit.answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
     if (job.expected_hash.value_or(d.hash) != d.hash) return OtherHash(id_, d, *job.expected_hash);
     if (log_ == nullptr || held) return absl::OkStatus();
     SetProgress(job, BatchProgress::Journal());
+    log_->writer().AssertHeld();  // nothing is in flight: it was this batch's turn
     const MeshLog::Batch alone{&job.edits, job.request_id, edit.answer};
     return WriteDown({&alone, 1}, job.source);
   };
@@ -440,7 +455,7 @@ void MeshHost::StepDown(const absl::Status& why) {
 absl::Status MeshHost::Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff) {
   if (diff->from_revision != diff->to_revision) {
     if (absl::Status status = store_->Append(diff); !status.ok()) return Lose(status.message());
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stats_ = edit.stats;
   }
   if (!edit.job->request_id.empty()) requests_.Remember(edit.job->request_id, edit.answer);

@@ -21,7 +21,8 @@
 //
 // A host may *follow* a mesh that another server has (mesh_host_following.cc): its revisions are
 // those of the journal, made again here and compared by their hashes, and it takes no edits. It
-// becomes the owner's host by Lead. Thread-safe.
+// becomes the owner's host by Lead. Thread-safe: each private member says which thread has it, the
+// strand, the writer (of the journal) or any, and the compiler checks that (core/base/mutex.h).
 #ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
 #define DYNMESH_SERVER_MESHES_MESH_HOST_H_
 
@@ -30,7 +31,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,6 +40,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/access/client_quotas.h"
 #include "server/base/memory_guard.h"
@@ -188,52 +189,60 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   // A place among those that wait; empty for an empty `client`. Else QUEUE_FULL.
   absl::StatusOr<Lease> TakeWaiting(absl::string_view client);
   void WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled);
-  // On the strand.
-  void Run(const std::shared_ptr<EditJob>& job);
-  absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const;
-  absl::StatusOr<EditOutcome> Answer(HeldEdit& edit);
+  // Tasks of the strand, and what they call.
+  void Run(const std::shared_ptr<EditJob>& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::StatusOr<EditOutcome> Answer(HeldEdit& edit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
   absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
-  absl::StatusOr<EditOutcome> Change(HeldEdit& edit, const Fingerprint& content);
-  absl::Status CheckRoom(std::size_t adds, std::size_t removes) const;
-  absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
-  // On the strand or, for a flight, on any thread: one at a time, since a flight ends before the
-  // next write begins (append_pipeline.h).
-  absl::Status WriteDown(std::span<const MeshLog::Batch> batches, EditSource source);
-  // On the strand.
-  absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff);
-  void Finish(HeldEdit edit);
-  absl::Status Lose(absl::string_view why);
-  void RebaseIfDue();
-  void SnapshotIfDue();
+  absl::StatusOr<EditOutcome> Change(HeldEdit& edit, const Fingerprint& content)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::Status CheckRoom(std::size_t adds, std::size_t removes) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void Finish(HeldEdit edit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void SnapshotIfDue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void SetProgress(const EditJob& job, const BatchProgress& progress)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
 
-  // Following, on the strand (mesh_host_following.cc).
-  absl::Status TakeTail(const SharedJournal::Tail& tail);
-  absl::Status TakeEntry(const Journal::Entry& entry);
-  absl::Status Remember(const Journal::Request& request);
+  // Following (mesh_host_following.cc).
+  absl::Status TakeTail(const SharedJournal::Tail& tail) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::Status TakeEntry(const Journal::Entry& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  absl::Status Remember(const Journal::Request& request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
 
-  // The pipeline, on the strand but for Write (mesh_host_appends.cc).
+  // The pipeline (mesh_host_appends.cc).
   using FlightPtr = AppendPipeline::FlightPtr;
+  // True if the job's turn has come. Else it is deferred until an append has ended.
+  bool IsItsTurn(const EditJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  // True if the mesh equals the journal's state. Else the running task is deferred as well.
+  bool IsWritten() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void Hold(HeldEdit edit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  FlightPtr BeginFlight() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void BeginAppend() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void AppendAtRest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void EndAppend(const FlightPtr& flight) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void PublishWritten() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void TakeBackHeld(const absl::Status& why) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+  void Relieve() ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);
+
+  // By the writer: the strand while nothing is in flight, else the thread of the flight, which ends
+  // before the next write begins (append_pipeline.h).
+  void Write(AppendPipeline::Flight& flight) ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_->writer());
+  absl::Status WriteDown(std::span<const MeshLog::Batch> batches, EditSource source)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_->writer());
+
+  // By any thread.
   // True if the batch may be applied ahead and written with others.
   bool CanBeHeld(const EditJob& job) const;
-  // True if the job's turn has come. Else it is deferred until an append has ended.
-  bool IsItsTurn(const EditJob& job);
-  // True if the mesh equals the journal's state. Else the running task is deferred as well.
-  bool IsWritten();
-  void Hold(HeldEdit edit);
-  FlightPtr BeginFlight();
-  void BeginAppend();
-  void AppendAtRest();
-  void Write(AppendPipeline::Flight& flight);
-  void EndAppend(const FlightPtr& flight);
-  void PublishWritten();
-  void TakeBackHeld(const absl::Status& why);
-  void Relieve();
-
-  void SetProgress(const EditJob& job, const BatchProgress& progress);
+  absl::Status Lose(absl::string_view why);
+  void RebaseIfDue();
   void Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome);
-
   absl::Status closed() const;
 
+  // For all threads: what never changes, or is thread-safe itself.
   const std::string id_;
   const MeshOptions mesh_options_;
   const absl::Time create_time_;
@@ -250,26 +259,31 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::shared_ptr<WatchHub> hub_;
   const std::optional<MeshHistory> history_;  // none: there is no journal
   const absl::Status read_only_;
-
-  // Used on the strand only, but for log_: the flight under way writes to it, on any thread.
-  const std::unique_ptr<DynamicMesh> mesh_;
-  const std::unique_ptr<MeshLog> log_;
-  RequestMemory requests_;
-  AppendPipeline pipeline_;
-  std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the pipeline is not empty
-  const std::shared_ptr<Snapshots> snapshots_;
-  bool features_asked_ = false;  // a task waits that makes a snapshot from the mesh
-  std::uint64_t seen_snapshot_;  // in the journal, while it follows
-
   std::atomic<bool> rebasing_{false};
   std::atomic<bool> disowned_{false};
   std::atomic<bool> follows_;
   std::atomic<bool> ended_{false};  // closed: nothing more is to be followed
   RevisionWaiters waiters_;
-  mutable std::mutex mutex_;
-  MeshStats stats_;
-  absl::Status closed_;
   BatchActivity activity_;
+
+  // The strand: queue_ runs its tasks one at a time.
+  ThreadRole strand_;
+  const std::unique_ptr<DynamicMesh> mesh_ ABSL_PT_GUARDED_BY(strand_);
+  const std::unique_ptr<MeshLog> log_;  // but appends are the writer's, EndSnapshots any thread's
+  RequestMemory requests_ ABSL_GUARDED_BY(strand_);
+  AppendPipeline pipeline_ ABSL_GUARDED_BY(strand_);
+  // Keeps this alive while the pipeline is not empty.
+  std::shared_ptr<MeshHost> while_holding_ ABSL_GUARDED_BY(strand_);
+  const std::shared_ptr<Snapshots> snapshots_;
+  // A task waits that makes a snapshot from the mesh.
+  bool features_asked_ ABSL_GUARDED_BY(strand_) = false;
+  // In the journal, while it follows.
+  std::uint64_t seen_snapshot_ ABSL_GUARDED_BY(strand_);
+
+  // For readers.
+  mutable Mutex mutex_;
+  MeshStats stats_ ABSL_GUARDED_BY(mutex_);
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

@@ -50,8 +50,12 @@ MeshHost::FlightPtr MeshHost::BeginFlight() {
 void MeshHost::BeginAppend() {
   if (pipeline_.flight() != nullptr || pipeline_.empty()) return;
   writers_->Post([self = shared_from_this(), flight = BeginFlight()] {
+    self->log_->writer().AssertHeld();  // one flight at a time
     self->Write(*flight);
-    self->queue_->PostFirst([self, flight] { self->EndAppend(flight); });
+    self->queue_->PostFirst([self, flight] {
+      self->strand_.AssertHeld();
+      self->EndAppend(flight);
+    });
   });
 }
 
@@ -60,16 +64,16 @@ void MeshHost::AppendAtRest() {
   const bool alone = pipeline_.flight() == nullptr && pipeline_.waiting() == 1;
   if (!alone || queue_->waiting() > 0) return BeginAppend();
   const FlightPtr flight = BeginFlight();
+  log_->writer().AssertHeld();  // this flight is the only one
   Write(*flight);
   EndAppend(flight);
 }
 
-// On any thread.
 void MeshHost::Write(AppendPipeline::Flight& flight) {
   flight.End(WriteDown(flight.batches(), flight.first().source));
 }
 
-// On the strand, after Write.
+// After Write.
 void MeshHost::EndAppend(const FlightPtr& flight) {
   if (pipeline_.flight() != flight) return;  // Relieve has seen its end
   if (!flight->written().ok()) return TakeBackHeld(flight->written());
@@ -78,7 +82,7 @@ void MeshHost::EndAppend(const FlightPtr& flight) {
   SnapshotIfDue();
 }
 
-// On the strand, after a write. Its memory comes on top of the meshes', so it waits while these may
+// After a write. Its memory comes on top of the meshes', so it waits while these may
 // not grow.
 void MeshHost::SnapshotIfDue() {
   if (log_ == nullptr || snapshots_ == nullptr || features_asked_ || !log_->IsDue(*mesh_)) return;
@@ -86,6 +90,7 @@ void MeshHost::SnapshotIfDue() {
   if (!log_->needs_features()) return log_->OrderSnapshot(*snapshots_);
   features_asked_ = true;
   queue_->Post([self = shared_from_this()] {
+    self->strand_.AssertHeld();
     if (!self->IsWritten()) return;
     self->features_asked_ = false;
     if (self->ended_ || !self->log_->IsDue(*self->mesh_)) return;
@@ -121,6 +126,7 @@ void MeshHost::TakeBackHeld(const absl::Status& why) {
         .IgnoreError();
   }
   // What was not handed to the journal has no unknown outcome.
+  log_->writer().AssertHeld();  // the flight has ended, and no other has begun
   const absl::Status behind = log_->owns() ? why : NotOwnerError(id_);
   std::size_t flown = 0;
   for (HeldEdit& edit : pipeline_.TakeAll(&flown)) {

@@ -13,11 +13,11 @@ namespace dynmesh::server {
 void MeshHost::Follow(SharedJournal::Tail tail, std::function<void(absl::Status)> done) {
   auto shared = std::make_shared<const SharedJournal::Tail>(std::move(tail));
   queue_->Post([self = shared_from_this(), shared, done = std::move(done)] {
+    self->strand_.AssertHeld();
     done(self->TakeTail(*shared));
   });
 }
 
-// On the strand.
 absl::Status MeshHost::TakeTail(const SharedJournal::Tail& tail) {
   if (absl::Status s = closed(); !s.ok()) return absl::CancelledError(s.message());
   if (seen_snapshot_ < tail.snapshot) log_->SawSnapshot(tail.snapshot_bytes);
@@ -65,7 +65,7 @@ absl::Status MeshHost::TakeEntry(const Journal::Entry& entry) {
       !s.ok()) {
     return at(s.message());
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   stats_ = mesh_->Stats();
   return absl::OkStatus();
 }
@@ -87,6 +87,7 @@ void MeshHost::WhenAt(std::uint64_t revision, RevisionWaiters::Clock::time_point
 void MeshHost::HandOver(std::function<absl::StatusOr<MeshOwner>()> give,
                         std::function<void(absl::Status)> done) {
   queue_->Post([self = shared_from_this(), give = std::move(give), done = std::move(done)] {
+    self->strand_.AssertHeld();
     if (!self->IsWritten()) return;
     if (absl::Status s = self->closed(); !s.ok()) return done(s);
     const absl::StatusOr<MeshOwner> owner = give();

@@ -43,7 +43,7 @@ MeshOpener::MeshOpener(SharedJournal* journal, std::string address, Load load)
 void MeshOpener::Open(const std::string& id, const Asking& asking, Done done) {
   absl::Status closed;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     closed = closed_;
     if (closed.ok()) {
       Opening& opening = openings_[id];
@@ -51,7 +51,7 @@ void MeshOpener::Open(const std::string& id, const Asking& asking, Done done) {
       if (opening.waiters.size() == 1 && !opening.running) {
         Queue(id, opening);
       }
-      changed_.notify_one();  // it may have the earliest deadline
+      changed_.NotifyOne();  // it may have the earliest deadline
     }
   }
   if (!closed.ok()) done(closed);
@@ -87,7 +87,7 @@ void MeshOpener::Step(const std::string& id) {
   bool claims = false;
   Opening before;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     Opening& opening = openings_[id];
     opening.queued = false;
     before.lost = opening.lost;
@@ -103,7 +103,7 @@ void MeshOpener::Step(const std::string& id) {
   std::vector<Waiter> answered;
   std::vector<std::pair<std::string, Waiter>> failed;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!found.failure.ok()) failed = TakeAll(/*queued_only=*/true);
     Opening& opening = openings_[id];
     if (found.again > Clock::duration::zero()) {
@@ -115,7 +115,7 @@ void MeshOpener::Step(const std::string& id) {
       if (found.is_left) ++opening.left;
       opening.running = false;
       opening.next = Clock::now() + found.again;
-      changed_.notify_one();
+      changed_.NotifyOne();
     } else {
       answered = Take(opening, [&found](const Waiter& w) {
         return !found.only_followers || IsSentOn(w.asking);
@@ -189,7 +189,7 @@ std::string MeshOpener::Chosen(const std::string& id, const SharedJournal::Place
 }
 
 void MeshOpener::RunTimer() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!stopped_) {
     const Clock::time_point now = Clock::now();
     Clock::time_point next = now + std::chrono::hours(1);
@@ -208,20 +208,20 @@ void MeshOpener::RunTimer() {
       }
     }
     if (!late.empty()) {
-      lock.unlock();
+      lock.Unlock();
       for (const auto& [id, done] : late) done(TooLate(id));
       late.clear();
-      lock.lock();
+      lock.Lock();
       continue;
     }
-    changed_.wait_until(lock, next);
+    changed_.WaitUntil(mutex_, next);
   }
 }
 
 void MeshOpener::Close(const absl::Status& status) {
   std::vector<std::pair<std::string, Waiter>> waiters;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (closed_.ok()) closed_ = status;
     waiters = TakeAll(/*queued_only=*/false);
   }
@@ -231,10 +231,10 @@ void MeshOpener::Close(const absl::Status& status) {
 void MeshOpener::Stop() {
   Close(absl::UnavailableError("the server has ended"));
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(stopped_, true)) return;
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   timer_.join();
   pool_.Stop();
 }

@@ -14,11 +14,9 @@
 #define DYNMESH_SERVER_MESHES_MESH_OPENER_H_
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
@@ -26,6 +24,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/mutex.h"
 #include "server/base/mesh_name.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/shared_journal.h"
@@ -88,18 +87,17 @@ class MeshOpener {
     absl::Status failure{};       // the journal could not be asked: so it is for other meshes
   };
 
-  // Under mutex_.
-  void Queue(const std::string& id, Opening& opening);
+  void Queue(const std::string& id, Opening& opening) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Step(const std::string& id);
   // Takes all waiters out, with their meshes; `queued_only`: of those whose step has not begun.
-  // Under mutex_.
-  std::vector<std::pair<std::string, Waiter>> TakeAll(bool queued_only);
+  std::vector<std::pair<std::string, Waiter>> TakeAll(bool queued_only)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   Found Look(const std::string& id, bool claims, const Opening& before);
   Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims, int left);
   // Where a mesh is to be opened that its last owner does not have any more; this node's address if
   // that is not known.
   std::string Chosen(const std::string& id, const SharedJournal::Place& place) const;
-  // Takes the waiters out that `is_meant` is true for. Under mutex_.
+  // Takes the waiters out that `is_meant` is true for. With the mutex.
   static std::vector<Waiter> Take(Opening& opening,
                                   const std::function<bool(const Waiter&)>& is_meant);
   void RunTimer();
@@ -108,11 +106,11 @@ class MeshOpener {
   const std::string address_;
   const Load load_;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::map<std::string, Opening> openings_;
-  absl::Status closed_;
-  bool stopped_ = false;
+  Mutex mutex_;
+  CondVar changed_;
+  std::map<std::string, Opening> openings_ ABSL_GUARDED_BY(mutex_);
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   WorkerPool pool_;
   std::thread timer_;  // last: it uses the others
 };

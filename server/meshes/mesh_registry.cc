@@ -155,7 +155,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   }
   // Checked before the mesh is made, to save the work, and again after.
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     auto created = FindCreated(id, options, request_id);
     if (!created.ok() || *created != nullptr) return created;
     if (absl::Status status = CheckRoom(id); !status.ok()) return status;
@@ -163,10 +163,10 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = Make(options, cancelled);
   if (!mesh.ok()) return mesh.status();
 
-  const std::lock_guard changing(changing_mutex_);
+  const MutexLock changing(changing_mutex_);
   std::string final_id = id;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     auto created = FindCreated(id, options, request_id);
     if (!created.ok() || *created != nullptr) return created;
     if (absl::Status status = CheckRoom(id); !status.ok()) return status;
@@ -183,7 +183,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   }
   HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_, host_options,
                                   std::move(past));
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   hosts_.emplace(final_id, Held{host, {}, *key, request_id});
   if (!request_id.empty()) made_.emplace(request_id, final_id);
   Log(LogLevel::kInfo, "mesh_created",
@@ -264,7 +264,7 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
   if (!found.ok()) {
     Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
     progress.Damage();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
     return;
   }
@@ -289,7 +289,7 @@ MeshRegistry::HostPtr MeshRegistry::Put(const Journal::Mesh& mesh, RecoveredMesh
        {"features", host->stats().features},
        {"entries", found.entries},
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!made.request_id.empty()) made_.emplace(made.request_id, mesh.id);
   hosts_.insert_or_assign(mesh.id, Held{host, damage, mesh.key, made.request_id});
   return host;
@@ -298,7 +298,7 @@ MeshRegistry::HostPtr MeshRegistry::Put(const Journal::Mesh& mesh, RecoveredMesh
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
   const absl::StatusOr<std::string> id = ParseMeshName(name);
   if (!id.ok()) return id.status();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto it = hosts_.find(*id);
   if (it == hosts_.end()) return MeshNotFoundError(*id);
   if (it->second.host == nullptr) return it->second.damage;
@@ -311,9 +311,9 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
   if (!id.ok()) return id.status();
   Held held;
   bool is_here = false;
-  const std::lock_guard changing(changing_mutex_);
+  const MutexLock changing(changing_mutex_);
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto it = hosts_.find(*id);
     is_here = it != hosts_.end();
     if (is_here) held = it->second;
@@ -329,7 +329,7 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
     if (absl::Status s = journal_->Delete(held.key); !s.ok()) return JournalError(s, *id);
   }
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     hosts_.erase(*id);
     std::erase_if(made_, [&](const auto& made) { return made.second == *id; });
   }
@@ -343,7 +343,7 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
 std::vector<MeshRegistry::Listed> MeshRegistry::List(
     absl::string_view after, std::size_t limit,
     const std::function<bool(absl::string_view)>& shown) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<Listed> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
     if (shown != nullptr && !shown(it->first)) continue;
@@ -353,7 +353,7 @@ std::vector<MeshRegistry::Listed> MeshRegistry::List(
 }
 
 std::vector<MeshRegistry::HostPtr> MeshRegistry::Hosts() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<HostPtr> hosts;
   for (const auto& [id, held] : hosts_) {
     if (held.host != nullptr) hosts.push_back(held.host);
@@ -362,12 +362,12 @@ std::vector<MeshRegistry::HostPtr> MeshRegistry::Hosts() const {
 }
 
 std::size_t MeshRegistry::size() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return hosts_.size();
 }
 
 std::size_t MeshRegistry::damaged() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return static_cast<std::size_t>(std::count_if(
       hosts_.begin(), hosts_.end(), [](const auto& held) { return !held.second.damage.ok(); }));
 }

@@ -13,7 +13,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <random>
 #include <string>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 #include "proto/codec/journal_codec.h"
 #include "server/base/mesh_name.h"
 #include "server/config/config.h"
@@ -162,12 +162,13 @@ class MeshRegistry {
 
   MeshHost::Options HostOptions() const;
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
-                                      const std::string& request_id) const;
-  absl::Status CheckRoom(const std::string& id) const;
+                                      const std::string& request_id) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status CheckRoom(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Past> PastOf(const MeshHost& host, const WatchHub::Start& start,
                               const std::atomic<bool>& cancelled) const;
   static absl::Status DamageOf(absl::string_view id, const absl::Status& status);
-  std::string FreshId(const std::string& request_id);
+  std::string FreshId(const std::string& request_id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
   absl::StatusOr<RecoveredMesh> ReadAtStart(const Journal::Mesh& mesh, absl::Time start,
                                             RecoveryProgress& progress);
@@ -197,16 +198,16 @@ class MeshRegistry {
   ServerMetrics* const metrics_;
   const MemoryGuard* const memory_;
 
-  // Held while a mesh is made or deleted, which includes disk writes. Acquired first.
-  std::mutex changing_mutex_;
-  mutable std::mutex mutex_;
-  std::map<std::string, Held, std::less<>> hosts_;
+  // Held while a mesh is made or deleted, which includes disk writes.
+  Mutex changing_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  mutable Mutex mutex_;
+  std::map<std::string, Held, std::less<>> hosts_ ABSL_GUARDED_BY(mutex_);
   // The mesh made with a request_id, for Create without an id. Create with an id looks at that mesh
   // only: the caller may lack the rights to know of others.
-  std::map<std::string, std::string> made_;
+  std::map<std::string, std::string> made_ ABSL_GUARDED_BY(mutex_);
   const std::shared_ptr<std::atomic<bool>> sweeps_ended_ =
       std::make_shared<std::atomic<bool>>(false);
-  std::mt19937_64 random_{std::random_device{}()};
+  std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_){std::random_device{}()};
 
   std::atomic<int> pasts_{0};  // wait or are made
   std::atomic<bool> ends_{false};

@@ -52,7 +52,7 @@ void MeshRegistry::StartFollowers() {
   };
   calls.owned = [this] {
     std::vector<Followers::Owned> owned;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, held] : hosts_) {
       if (held.host == nullptr || held.host->disowned()) continue;
       owned.push_back({held.key, id, held.host->head().revision});
@@ -97,7 +97,7 @@ absl::Status MeshRegistry::Renew() {
   // What was here before the renewal was sent is either among those renewed, or lost.
   std::vector<std::pair<std::string, Held>> before;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     before.assign(hosts_.begin(), hosts_.end());
   }
   const absl::StatusOr<std::vector<Journal::Key>> renewed = shared_->Renew(address_);
@@ -112,7 +112,7 @@ absl::Status MeshRegistry::Renew() {
 
 void MeshRegistry::Drop(const std::string& id, const HostPtr& host, const absl::Status& why) {
   if (host != nullptr) host->StepDown(why);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto it = hosts_.find(id);
   if (it == hosts_.end() || it->second.host != host) return;
   hosts_.erase(it);
@@ -127,7 +127,7 @@ void MeshRegistry::Open(absl::string_view name, const Asking& asking, MeshOpener
   HostPtr gone;
   bool is_here = !id.ok();  // a malformed name is answered here, too
   if (id.ok()) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (const auto it = hosts_.find(*id); it != hosts_.end()) {
       if (it->second.host != nullptr && it->second.host->disowned()) {
         gone = it->second.host;
@@ -168,7 +168,7 @@ void MeshRegistry::HandOver(absl::Duration limit) {
   if (config_.followers == 0) return;
   std::vector<OwnedHost> meshes;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& [id, held] : hosts_) {
       if (held.host != nullptr && !held.host->disowned()) meshes.push_back({held.host, held.key});
     }
@@ -204,7 +204,7 @@ absl::StatusOr<std::vector<MeshRegistry::Listed>> MeshRegistry::ListAll(
 
 MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Place& place) const {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto it = hosts_.find(place.mesh.id);
     if (it != hosts_.end() && (it->second.host == nullptr || !it->second.host->disowned())) {
       return {it->first, it->second.host, it->second.damage, "", 0, {}};
@@ -243,7 +243,7 @@ void MeshRegistry::FindMade(const absl::StatusOr<HostPtr>& created, const MeshOp
          if (!opened.ok()) return done(opened);
          absl::StatusOr<HostPtr> made = HostPtr();
          {
-           const std::lock_guard lock(mutex_);
+           const MutexLock lock(mutex_);
            made = FindCreated((*opened)->id(), options, request_id);
          }
          const bool is_other = made.ok() && *made == nullptr;
@@ -254,8 +254,8 @@ void MeshRegistry::FindMade(const absl::StatusOr<HostPtr>& created, const MeshOp
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Mesh& mesh) {
   {
     // Waits for a mesh that is being made: it is in the journal before it is here.
-    const std::lock_guard changing(changing_mutex_);
-    const std::lock_guard lock(mutex_);
+    const MutexLock changing(changing_mutex_);
+    const MutexLock lock(mutex_);
     const auto it = hosts_.find(mesh.id);
     if (it != hosts_.end() && it->second.key == mesh.key && it->second.host != nullptr &&
         !it->second.host->disowned()) {
@@ -286,7 +286,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Me
   }
   Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", why.message()}});
   const absl::Status damage = DamageOf(mesh.id, why);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   hosts_.insert_or_assign(mesh.id, Held{nullptr, damage, mesh.key, {}});
   return damage;
 }
@@ -299,7 +299,7 @@ void MeshRegistry::PutFollowed(const Journal::Mesh& mesh, const HostPtr& host, a
        {"revision", host->head().revision},
        {"hash", host->head().hash.ToHex()},
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!request_id.empty()) made_.emplace(request_id, mesh.id);
   hosts_.insert_or_assign(mesh.id, Held{host, absl::OkStatus(), mesh.key, request_id});
 }
@@ -317,7 +317,7 @@ std::int64_t MeshRegistry::EpochOf(const std::string& id) const {
   if (shared_ == nullptr) return 0;
   Journal::Key key = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto it = hosts_.find(id);
     if (it == hosts_.end()) return 0;
     key = it->second.key;

@@ -156,6 +156,7 @@ absl::StatusOr<RecoveredMesh> Read(Journal& journal, const Journal::Mesh& found,
   }
   if (!replay.has_other_bits()) return recovered;
   if (found.loss.ok()) {
+    recovered.past.log->writer().AssertHeld();  // no other thread has it yet
     if (absl::Status s = recovered.past.log->AppendOtherBits(*recovered.mesh); !s.ok()) return s;
   }
   Log(LogLevel::kInfo, "bits_changed",

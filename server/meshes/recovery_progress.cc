@@ -24,15 +24,16 @@ void RecoveryProgress::Damage() {
 
 void RecoveryProgress::EndMesh() {
   // Notified under the lock: as soon as the waiting thread continues, this object may be destroyed.
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   ++meshes_done_;
-  ended_.notify_all();
+  ended_.NotifyAll();
 }
 
 void RecoveryProgress::Wait(absl::Duration interval) {
-  std::unique_lock lock(mutex_);
-  while (!ended_.wait_for(lock, absl::ToChronoMilliseconds(interval),
-                          [this] { return meshes_done_ == meshes_; })) {
+  const MutexLock lock(mutex_);
+  while (!ended_.WaitFor(
+      mutex_, absl::ToChronoMilliseconds(interval),
+      [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return meshes_done_ == meshes_; })) {
     Log(LogLevel::kInfo, "recovering",
         {{"entries_done", entries_done_.load()},
          {"entries", entries_},

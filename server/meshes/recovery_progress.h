@@ -4,13 +4,12 @@
 #define DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <vector>
 
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "server/journal/journal.h"
 #include "server/metrics/server_metrics.h"
 
@@ -35,9 +34,9 @@ class RecoveryProgress {
   std::uint64_t entries_ = 0;
   std::atomic<std::uint64_t> entries_done_{0};
 
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  std::size_t meshes_done_ = 0;
+  Mutex mutex_;
+  CondVar ended_;
+  std::size_t meshes_done_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace dynmesh::server

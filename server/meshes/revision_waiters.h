@@ -7,9 +7,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <utility>
 #include <vector>
+
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -22,7 +23,7 @@ class RevisionWaiters {
   // when Expire tells of `end`, or by Close.
   void Add(std::uint64_t revision, Clock::time_point end, Done done) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!closed_) {
         waiting_.emplace(revision, Waiter{end, std::move(done)});
         return;
@@ -39,7 +40,7 @@ class RevisionWaiters {
   // Ends all waiting, now and later.
   void Close() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       closed_ = true;
     }
     Call(false, [](std::uint64_t, const Waiter&) { return true; });
@@ -55,7 +56,7 @@ class RevisionWaiters {
   void Call(bool reached, const IsMeant& is_meant) {
     std::vector<Done> called;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       for (auto it = waiting_.begin(); it != waiting_.end();) {
         if (!is_meant(it->first, it->second)) {
           ++it;
@@ -68,9 +69,9 @@ class RevisionWaiters {
     for (const Done& done : called) done(reached);
   }
 
-  std::mutex mutex_;
-  std::multimap<std::uint64_t, Waiter> waiting_;  // by revision
-  bool closed_ = false;
+  Mutex mutex_;
+  std::multimap<std::uint64_t, Waiter> waiting_ ABSL_GUARDED_BY(mutex_);  // by revision
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace dynmesh::server

@@ -46,11 +46,12 @@ absl::StatusOr<std::shared_ptr<Subscription>> WatchHub::Subscribe(const Start& s
   s->cursor_ = start.revision;
   // A watcher that resumes gets each past revision. Other watchers may lag and get coalesced diffs.
   if (start.revision.has_value()) s->replay_until_ = store_->head().revision;
+  const MutexLock lock(mutex_);
+  if (!closed_.ok()) return closed_;
+  s->hub_->mutex_.AssertHeld();  // this one
   s->progress_interval_ = start.progress_interval > absl::ZeroDuration()
                               ? std::max(start.progress_interval, kLeastProgressInterval)
                               : options_.progress_interval;
-  const std::lock_guard lock(mutex_);
-  if (!closed_.ok()) return closed_;
   ++size_;
   return s;
 }
@@ -73,7 +74,7 @@ void WatchHub::Wake(Subscriptions subscriptions) {
 void WatchHub::Notify() {
   Subscriptions woken;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     woken.swap(idle_);
   }
   Wake(std::move(woken));
@@ -82,14 +83,16 @@ void WatchHub::Notify() {
 void WatchHub::Tick(absl::Time now) {
   Subscriptions woken;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const bool first = now_ == absl::InfinitePast();
     now_ = now;
     for (const auto& s : idle_) {
+      s->hub_->mutex_.AssertHeld();  // this one, and below
       if (first) s->idle_since_ = now;
       if (now - s->idle_since_ >= s->progress_interval_) woken.insert(s);
     }
     for (const auto& s : woken) {
+      s->hub_->mutex_.AssertHeld();
       s->progress_due_ = true;
       idle_.erase(s);
     }
@@ -100,7 +103,7 @@ void WatchHub::Tick(absl::Time now) {
 void WatchHub::Close(absl::Status status) {
   Subscriptions woken;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!closed_.ok()) return;
     closed_ = std::move(status);
     woken.swap(idle_);
@@ -109,23 +112,23 @@ void WatchHub::Close(absl::Status status) {
 }
 
 std::size_t WatchHub::size() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return size_;
 }
 
 std::size_t WatchHub::idle() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return idle_.size();
 }
 
 WatchHub::Counts WatchHub::counts() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return {size_ - idle_.size(), coalesced_.load(std::memory_order_relaxed),
           resynced_.load(std::memory_order_relaxed)};
 }
 
 Subscription::Step Subscription::Next(WatchItem* item) {
-  const std::lock_guard lock(hub_->mutex_);
+  const MutexLock lock(hub_->mutex_);
   if (cancelled_) {
     item->emplace<absl::Status>(absl::CancelledError("the watch was cancelled"));
     return Step::kItem;
@@ -186,7 +189,7 @@ WatchItem Subscription::Work() {
 }
 
 bool Subscription::Cancel() {
-  const std::lock_guard lock(hub_->mutex_);
+  const MutexLock lock(hub_->mutex_);
   if (cancelled_) return false;
   cancelled_ = true;
   --hub_->size_;

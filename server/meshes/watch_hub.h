@@ -19,7 +19,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <variant>
 
@@ -27,6 +26,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "core/base/mutex.h"
 #include "dynmesh/mesh.h"
 #include "server/base/worker_pool.h"
 #include "server/revisions/revision_store.h"
@@ -42,42 +42,7 @@ inline constexpr char kWatchWithout[] = "watch without start_revision";
 using WatchItem =
     std::variant<std::shared_ptr<const Mesh>, std::shared_ptr<const MeshDiff>, Head, absl::Status>;
 
-class Subscription : public std::enable_shared_from_this<Subscription> {
- public:
-  enum class Step {
-    kItem,  // `item` is set: send it, then call Next again
-    kIdle,  // nothing now; `wake` will be called once, then call Next again
-    kWork,  // call Work on a thread that may block, send its result
-  };
-
-  // Quick. After kIdle another thread may call `wake` before this returns.
-  Step Next(WatchItem* item);
-
-  // The item for a new or lagging watcher; up to O(mesh).
-  WatchItem Work();
-
-  // Ends the subscription. True if it was idle: then `wake` is not called any more, and the caller
-  // has to end the stream.
-  bool Cancel();
-
- private:
-  friend class WatchHub;
-  Subscription(std::shared_ptr<WatchHub> hub, std::function<void()> wake)
-      : hub_(std::move(hub)), wake_(std::move(wake)) {}
-
-  WatchItem Snapshot(std::uint64_t newer_than);
-
-  const std::shared_ptr<WatchHub> hub_;
-  const std::function<void()> wake_;
-  // Used only by the thread that drives the subscription.
-  std::optional<std::uint64_t> cursor_;  // the watcher's revision; none at first
-  std::uint64_t replay_until_ = 0;       // past revisions were requested up to this one
-  // Guarded by the hub's mutex.
-  bool cancelled_ = false;
-  bool progress_due_ = false;
-  absl::Duration progress_interval_;
-  absl::Time idle_since_;
-};
+class Subscription;
 
 class WatchHub : public std::enable_shared_from_this<WatchHub> {
  public:
@@ -130,13 +95,49 @@ class WatchHub : public std::enable_shared_from_this<WatchHub> {
   const std::shared_ptr<RevisionStore> store_;
   WorkerPool* const pool_;
   const Options options_;
-  mutable std::mutex mutex_;
-  Subscriptions idle_;
-  std::size_t size_ = 0;
-  absl::Time now_ = absl::InfinitePast();
-  absl::Status closed_;
+  mutable Mutex mutex_;
+  Subscriptions idle_ ABSL_GUARDED_BY(mutex_);
+  std::size_t size_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Time now_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> coalesced_{0};
   std::atomic<std::uint64_t> resynced_{0};
+};
+
+class Subscription : public std::enable_shared_from_this<Subscription> {
+ public:
+  enum class Step {
+    kItem,  // `item` is set: send it, then call Next again
+    kIdle,  // nothing now; `wake` will be called once, then call Next again
+    kWork,  // call Work on a thread that may block, send its result
+  };
+
+  // Quick. After kIdle another thread may call `wake` before this returns.
+  Step Next(WatchItem* item);
+
+  // The item for a new or lagging watcher; up to O(mesh).
+  WatchItem Work();
+
+  // Ends the subscription. True if it was idle: then `wake` is not called any more, and the caller
+  // has to end the stream.
+  bool Cancel();
+
+ private:
+  friend class WatchHub;
+  Subscription(std::shared_ptr<WatchHub> hub, std::function<void()> wake)
+      : hub_(std::move(hub)), wake_(std::move(wake)) {}
+
+  WatchItem Snapshot(std::uint64_t newer_than);
+
+  const std::shared_ptr<WatchHub> hub_;
+  const std::function<void()> wake_;
+  // Used only by the thread that drives the subscription.
+  std::optional<std::uint64_t> cursor_;  // the watcher's revision; none at first
+  std::uint64_t replay_until_ = 0;       // past revisions were requested up to this one
+  bool cancelled_ ABSL_GUARDED_BY(hub_->mutex_) = false;
+  bool progress_due_ ABSL_GUARDED_BY(hub_->mutex_) = false;
+  absl::Duration progress_interval_ ABSL_GUARDED_BY(hub_->mutex_);
+  absl::Time idle_since_ ABSL_GUARDED_BY(hub_->mutex_);
 };
 
 }  // namespace dynmesh::server

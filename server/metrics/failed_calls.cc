@@ -71,7 +71,7 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
 
 std::optional<std::uint64_t> FailedCalls::TakeLine(const std::string& reason) {
   const MetricsClock::time_point now = MetricsClock::now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto [it, is_first] = told_.try_emplace(reason, Told{now, 0});
   if (!is_first && now - it->second.last < kBetweenLines) {
     ++it->second.left_out;

@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 #include "server/metrics/metrics.h"
 #include "server/metrics/server_metrics.h"
 
@@ -53,8 +53,8 @@ class FailedCalls {
 
   MetricFamily<Counter>& by_reason_;
   std::function<std::string(const std::string&)> holders_;
-  std::mutex mutex_;
-  std::map<std::string, Told> told_;  // by reason; few reasons exist
+  Mutex mutex_;
+  std::map<std::string, Told> told_ ABSL_GUARDED_BY(mutex_);  // by reason; few reasons exist
 };
 
 }  // namespace dynmesh::server

@@ -11,13 +11,13 @@
 #include <chrono>
 #include <cstdint>
 #include <list>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/mutex.h"
 #include "server/base/listening.h"
 #include "server/base/worker_pool.h"
 
@@ -84,7 +84,7 @@ class HttpListener::Loop {
   ~Loop() {
     if (thread_.joinable()) {
       {
-        const std::lock_guard lock(mutex_);
+        const MutexLock lock(mutex_);
         stopping_ = true;
       }
       Wake();
@@ -155,7 +155,7 @@ class HttpListener::Loop {
       if (IsStopping()) return;
       std::string answer = answer_(std::move(request));
       {
-        const std::lock_guard lock(mutex_);
+        const MutexLock lock(mutex_);
         answers_.emplace_back(id, std::move(answer));
       }
       Wake();
@@ -163,7 +163,7 @@ class HttpListener::Loop {
   }
 
   bool IsStopping() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return stopping_;
   }
 
@@ -174,7 +174,7 @@ class HttpListener::Loop {
     }
     std::vector<std::pair<std::uint64_t, std::string>> answers;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (stopping_) return false;
       answers.swap(answers_);
     }
@@ -244,9 +244,10 @@ class HttpListener::Loop {
   const Listening listening_;
   const Answer answer_;
   int wake_[2] = {-1, -1};
-  std::mutex mutex_;
-  bool stopping_ = false;
-  std::vector<std::pair<std::uint64_t, std::string>> answers_;  // by the connection's id
+  Mutex mutex_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  // By the connection's id.
+  std::vector<std::pair<std::uint64_t, std::string>> answers_ ABSL_GUARDED_BY(mutex_);
 
   // Used by the thread.
   Connections connections_;

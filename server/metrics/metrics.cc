@@ -113,7 +113,7 @@ void MetricsText::Add(const std::string& labels, const Histogram& histogram) {
 template <typename T>
 T& MetricRegistry::Keep(std::unique_ptr<T> source) {
   T& kept = *source;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   sources_.push_back(std::move(source));
   return kept;
 }
@@ -142,7 +142,7 @@ void MetricRegistry::AddSource(std::function<void(MetricsText&)> write) {
 
 std::string MetricRegistry::Text() const {
   MetricsText out;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& source : sources_) source->Write(out);
   return out.text();
 }

@@ -14,12 +14,12 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/string_view.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::server {
 
@@ -111,14 +111,14 @@ class MetricFamily final : public MetricSource {
   // names. Costs a lock and a search: call it once and keep the result.
   T& With(const MetricLabels& labels = {}) {
     const std::string key = MetricsText::LabelText(labels);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::unique_ptr<T>& member = members_[key];
     if (member == nullptr) member = make_();
     return *member;
   }
 
   void Write(MetricsText& out) const override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     out.Begin(name_, type_, help_);
     for (const auto& [labels, member] : members_) out.Add(labels, *member);
   }
@@ -128,8 +128,9 @@ class MetricFamily final : public MetricSource {
   const std::string type_;
   const std::string help_;
   const Make make_;
-  mutable std::mutex mutex_;
-  std::map<std::string, std::unique_ptr<T>> members_;  // by their labels' text
+  mutable Mutex mutex_;
+  // By their labels' text.
+  std::map<std::string, std::unique_ptr<T>> members_ ABSL_GUARDED_BY(mutex_);
 };
 
 class MetricRegistry {
@@ -147,8 +148,8 @@ class MetricRegistry {
   template <typename T>
   T& Keep(std::unique_ptr<T> source);
 
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<MetricSource>> sources_;
+  mutable Mutex mutex_;
+  std::vector<std::unique_ptr<MetricSource>> sources_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace dynmesh::server

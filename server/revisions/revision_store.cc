@@ -25,7 +25,7 @@ RevisionStore::RevisionStore(MeshPtr base, Limits limits)
 
 absl::Status RevisionStore::Append(DiffPtr diff) {
   const std::size_t bytes = ByteSize(*diff);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (diff->from_revision != head_.revision || diff->to_revision != head_.revision + 1) {
     return absl::FailedPreconditionError(
         absl::StrCat("a diff from ", diff->from_revision, " to ", diff->to_revision,
@@ -51,22 +51,22 @@ void RevisionStore::TrimLocked() {
 }
 
 Head RevisionStore::head() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return head_;
 }
 
 std::uint64_t RevisionStore::oldest() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return oldest_;
 }
 
 RevisionStore::MeshPtr RevisionStore::base() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return base_;
 }
 
 bool RevisionStore::wants_rebase() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   // Many small diffs count as well: Limits does not apply to the diffs since the base.
   const std::size_t since = head_.revision - base_->revision;
   return bytes_since_base_ > std::max(base_bytes_, kLeastRebaseBytes) ||
@@ -75,31 +75,31 @@ bool RevisionStore::wants_rebase() const {
 }
 
 std::optional<MeshHash> RevisionStore::HashAt(std::uint64_t revision) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (revision < oldest_ || revision > head_.revision) return std::nullopt;
   return revision == oldest_ ? oldest_hash_ : diffs_[revision - oldest_ - 1]->hash;
 }
 
 RevisionStore::DiffPtr RevisionStore::DiffFrom(std::uint64_t revision) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (revision < oldest_ || revision >= head_.revision) return nullptr;
   return diffs_[revision - oldest_];
 }
 
 std::optional<std::vector<RevisionStore::DiffPtr>> RevisionStore::DiffsFrom(
     std::uint64_t revision) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (revision < oldest_ || revision > head_.revision) return std::nullopt;
   return std::vector<DiffPtr>(diffs_.begin() + static_cast<std::ptrdiff_t>(revision - oldest_),
                               diffs_.end());
 }
 
 absl::StatusOr<RevisionStore::MeshPtr> RevisionStore::Latest() {
-  const std::lock_guard latest_lock(latest_mutex_);
+  const MutexLock latest_lock(latest_mutex_);
   MeshPtr mesh;
   std::vector<DiffPtr> diffs;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     mesh = base_;
     if (mesh->revision == head_.revision) return mesh;
     diffs.assign(diffs_.begin() + static_cast<std::ptrdiff_t>(mesh->revision - oldest_),
@@ -111,7 +111,7 @@ absl::StatusOr<RevisionStore::MeshPtr> RevisionStore::Latest() {
   mesh = std::make_shared<const Mesh>(*std::move(patched));
   const std::size_t mesh_bytes = ByteSize(*mesh);
 
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   base_ = mesh;
   base_bytes_ = mesh_bytes;
   base_simplices_ = mesh->simplex_count();

@@ -20,11 +20,11 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/mutex.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::server {
@@ -68,20 +68,20 @@ class RevisionStore {
   absl::StatusOr<MeshPtr> Latest();
 
  private:
-  void TrimLocked();
+  void TrimLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const Limits limits_;
-  std::mutex latest_mutex_;  // held while diffs are applied to the base; acquired first
-  mutable std::mutex mutex_;
-  MeshPtr base_;
-  std::size_t base_bytes_;
-  std::size_t base_simplices_, head_simplices_;
-  MeshHash oldest_hash_;
-  std::uint64_t oldest_;
-  Head head_;
-  std::deque<DiffPtr> diffs_;  // diffs_[i] leads from revision oldest_ + i
-  std::size_t bytes_ = 0;      // of all diffs held
-  std::size_t bytes_since_base_ = 0;
+  Mutex latest_mutex_;  // held while diffs are applied to the base; acquired first
+  mutable Mutex mutex_;
+  MeshPtr base_ ABSL_GUARDED_BY(mutex_);
+  std::size_t base_bytes_ ABSL_GUARDED_BY(mutex_);
+  std::size_t base_simplices_ ABSL_GUARDED_BY(mutex_), head_simplices_ ABSL_GUARDED_BY(mutex_);
+  MeshHash oldest_hash_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t oldest_ ABSL_GUARDED_BY(mutex_);
+  Head head_ ABSL_GUARDED_BY(mutex_);
+  std::deque<DiffPtr> diffs_ ABSL_GUARDED_BY(mutex_);  // diffs_[i] leads from revision oldest_ + i
+  std::size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;      // of all diffs held
+  std::size_t bytes_since_base_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace dynmesh::server
