@@ -1,5 +1,6 @@
 #include "server/journal/postgres_schema.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -46,6 +47,7 @@ constexpr char kTables[] = R"(
 
 // None yet. A step that changes no table, as for other bits of meshes, is an empty text.
 constexpr std::array<const char*, kPostgresSchema - kFirstSchema> kSteps = {};
+static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
 constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps};
 
 absl::Status CheckVersion(std::int64_t version, const Schemas& schemas) {

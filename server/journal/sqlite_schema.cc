@@ -1,5 +1,6 @@
 #include "server/journal/sqlite_schema.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -48,6 +49,7 @@ constexpr char kTables[] = R"(
 
 // None yet. A step that changes no table, as for other bits of meshes, is an empty text.
 constexpr std::array<const char*, kJournalSchema - kFirstSchema> kSteps = {};
+static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
 constexpr JournalSchemas kSchemas = {kFirstSchema, kTables, kSteps};
 
 absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {

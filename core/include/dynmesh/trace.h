@@ -1,6 +1,6 @@
 // The trace of a mesh as plain data: the operations of the run that made it, what each of them
-// read, made and requested, and what the last batch did to them. For people who want to see how an
-// edit is propagated (docs/engine.md); meshing does not use it.
+// read, made and requested, and what the last batch did to them. It shows how an edit is propagated
+// (docs/engine.md); meshing does not use it.
 //
 //   auto trace = dynmesh::TraceOf(features, batch, options);   // check trace.ok()
 //   for (const dynmesh::TraceOperation& operation : trace->operations) {
