@@ -17,6 +17,7 @@
 #include "client/cli/percentile.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/selection.h"
+#include "client/cli/trace_files.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
 #include "core/io/pictures/mesh_animation.h"
@@ -24,6 +25,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
 #include "dynmesh/slot_mesh.h"
+#include "dynmesh/trace.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -43,6 +45,8 @@ struct ReplayCommand {
   std::string animation;           // a path; empty: none
   std::uint64_t animate_from = 1;  // the revision of the first frame
   double frame_seconds = 0.2;
+  std::string trace;  // a path; empty: none
+  std::uint64_t trace_limit = TraceOptions().max_operations;
 };
 
 std::uint64_t PeakResidentBytes() {
@@ -68,6 +72,7 @@ class Replay {
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     if (auto s = CheckOutputsOf(options, command_.output); !s.ok()) return s;
     if (auto s = CheckAnimation(options); !s.ok()) return s;
+    if (auto s = CheckTrace(options); !s.ok()) return s;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
     if (!mesh.ok()) {
       return NameOption(mesh.status(), command_.mesh,
@@ -110,8 +115,19 @@ class Replay {
         text::Concat("--animate-from: the script has ", script_.batches.size(), " revisions"));
   }
 
+  absl::Status CheckTrace(const MeshOptions& options) const {
+    if (command_.trace.empty()) return absl::OkStatus();
+    if (options.kind != MeshKind::kDelaunay) {
+      return absl::InvalidArgumentError("--trace is for Delaunay meshes, not for quadtrees");
+    }
+    return CheckTracePath(command_.trace);
+  }
+
   absl::Status ApplyBatch(std::size_t b) {
     const EditBatch& batch = script_.batches[b].edits;
+    if (!command_.trace.empty() && b + 1 == script_.batches.size()) {
+      features_before_last_ = mesh_->Features();
+    }
     const Clock::time_point start = Clock::now();
     ApplyOptions options;
     options.progress = [&](const ApplyProgress& p) {
@@ -260,6 +276,9 @@ class Replay {
                                               command_.frame_seconds};
       if (auto s = animation_.Write(animation, command_.animation); !s.ok()) return s;
     }
+    if (!command_.trace.empty()) {
+      if (auto s = TakeTrace(options); !s.ok()) return s;
+    }
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
     labels_.is_part = !selection_.IsEverything();
@@ -270,6 +289,23 @@ class Replay {
     }
     return WriteOutputs(mesh, options, command_.output, labels_,
                         command_.highlight ? last_added_ : SimplexColumn());
+  }
+
+  absl::Status TakeTrace(const MeshOptions& options) {
+    TraceOptions trace_options;
+    trace_options.max_operations = command_.trace_limit;
+    trace_options.interrupted = [this] { return memory_.IsExceeded(); };
+    const EditBatch last = script_.batches.empty() ? EditBatch() : script_.batches.back().edits;
+    const absl::StatusOr<Trace> trace = WithinMemory(
+        memory_, [&] { return TraceOf(features_before_last_, last, options, trace_options); });
+    if (!trace.ok()) {
+      const std::optional<ErrorDetail> detail = GetErrorDetail(trace.status());
+      const bool is_large = detail && detail->reason == reason::kWorkLimit;
+      return absl::Status(trace.status().code(),
+                          text::Concat("--trace: ", text::View(trace.status().message()),
+                                       is_large ? " with --trace-limit" : ""));
+    }
+    return WriteTrace(*trace, command_.trace);
   }
 
   const ReplayCommand& command_;
@@ -287,7 +323,8 @@ class Replay {
   MeshLabels labels_;
   Selection selection_;  // the part of the last mesh to write
   SimplexColumn last_added_;
-  io::MeshAnimation animation_;  // with --animation
+  io::MeshAnimation animation_;                // with --animation
+  std::vector<Feature> features_before_last_;  // with --trace: of the last revision but one
   // If results go to the same terminal, their lines show the progress.
   ProgressBar bar_{ErrorIsTerminal() && !OutIsTerminal()};
 };
@@ -338,6 +375,14 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
                   "How long a frame of the animation shows (default: 0.2)")
       ->type_name("S")
       ->check(CLI::Range(0.01, 60.0));
+  sub->add_option("--trace", command->trace,
+                  "Write the operations of the last mesh, and what the last revision did to "
+                  "them: .dot is a graph for Graphviz, .json is for programs")
+      ->type_name("FILE");
+  sub->add_option("--trace-limit", command->trace_limit,
+                  "The most operations of a trace that is written (default: 10000)")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
   sub->add_flag("--json", command->json, "Print one JSON object a revision, then a summary");
 }
 

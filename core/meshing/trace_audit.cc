@@ -31,10 +31,18 @@ std::vector<std::array<std::uint32_t, D>> StarIn(std::span<const std::uint32_t> 
   return star;
 }
 
-// The vertices that the operation names as read, or ghosts.
+}  // namespace
+
+std::string_view NameOf(Procedure procedure) {
+  constexpr std::string_view kNames[] = {"Nearest", "Complete", "Check", "Split",
+                                         "Recheck", "Presplit", "Cure"};
+  return kNames[procedure];
+}
+
 template <int D>
-std::vector<VertexIndex> VerticesReadBy(const sac::Engine<Refinement<D, sac::Engine>>& engine,
+std::vector<VertexIndex> VerticesReadBy(const Refinement<D, sac::Engine>& refinement,
                                         sac::OpId op) {
+  const auto& engine = refinement.engine();
   const auto words = engine.reads(op);
   if (engine.kind(op) == kComplete) {
     const auto ring = NeighboursIn<D>(words);
@@ -47,8 +55,6 @@ std::vector<VertexIndex> VerticesReadBy(const sac::Engine<Refinement<D, sac::Eng
   }
   return vertices;
 }
-
-}  // namespace
 
 template <int D, template <class> class E>
 std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>* problems,
@@ -135,7 +141,7 @@ bool Reproduces(Refinement<D, sac::Engine>& refinement, sac::OpId op, std::strin
   };
   const auto same = [&](sac::OpId id, const Payload<D>& payload,
                         std::span<const std::uint32_t> reads) {
-    if (!std::ranges::all_of(VerticesReadBy<D>(engine, id), is_there)) return false;
+    if (!std::ranges::all_of(VerticesReadBy<D>(refinement, id), is_there)) return false;
     const Payload<D>& kept = engine.payload(id);
     if (engine.kind(id) == kCure) return true;
     if (kept.radius2 != payload.radius2 || kept.flag != payload.flag ||
@@ -166,8 +172,6 @@ std::string Describe(const Refinement<D, E>& refinement, sac::OpId op) {
   std::string text;
   if constexpr (kIsTraced<D, E>) {
     const auto& engine = refinement.engine();
-    constexpr const char* kNames[] = {"Nearest", "Complete", "Check", "Split",
-                                      "Recheck", "Presplit", "Cure"};
     const auto add = [&text](const auto&... parts) { (text.append(parts), ...); };
     const auto add_vertex = [&](VertexIndex v) {
       if (Star<D>::IsGhost(v)) return add(" ghost");
@@ -180,7 +184,7 @@ std::string Describe(const Refinement<D, E>& refinement, sac::OpId op) {
     };
     const sac::Kind kind = engine.kind(op);
     const sac::Item item = engine.item(op);
-    add(kNames[kind], " of");
+    add(NameOf(static_cast<Procedure>(kind)), " of");
     if (kind <= kComplete) {
       add_vertex(item);
     } else if (kind == kCure) {
@@ -217,6 +221,7 @@ template std::uint64_t Audit(const Refinement<2, sac::Engine>&, std::vector<std:
 template std::string Describe(const Refinement<2, sac::Engine>&, sac::OpId);
 template bool Reproduces(Refinement<2, sac::Engine>&, sac::OpId, std::string*);
 template std::string FirstUnreproduced(Refinement<2, sac::Engine>&);
+template std::vector<VertexIndex> VerticesReadBy(const Refinement<2, sac::Engine>&, sac::OpId);
 template std::uint64_t Audit(const Refinement<2, sac::UntracedEngine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<2, sac::UntracedEngine>&, sac::OpId);
@@ -225,6 +230,7 @@ template std::uint64_t Audit(const Refinement<3, sac::Engine>&, std::vector<std:
 template std::string Describe(const Refinement<3, sac::Engine>&, sac::OpId);
 template bool Reproduces(Refinement<3, sac::Engine>&, sac::OpId, std::string*);
 template std::string FirstUnreproduced(Refinement<3, sac::Engine>&);
+template std::vector<VertexIndex> VerticesReadBy(const Refinement<3, sac::Engine>&, sac::OpId);
 template std::uint64_t Audit(const Refinement<3, sac::UntracedEngine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<3, sac::UntracedEngine>&, sac::OpId);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/meshing/refinement.h"
@@ -35,6 +36,12 @@ bool Reproduces(Refinement<D, sac::Engine>& refinement, sac::OpId op, std::strin
 // all do. As a run from scratch without a triangulation, O(trace).
 template <int D>
 std::string FirstUnreproduced(Refinement<D, sac::Engine>& refinement);
+
+// The name of a procedure.
+std::string_view NameOf(Procedure procedure);
+// The vertices that the operation names as read, and ghosts (Star<D>::IsGhost).
+template <int D>
+std::vector<VertexIndex> VerticesReadBy(const Refinement<D, sac::Engine>& refinement, sac::OpId op);
 
 // For people: kind, item and time of an operation, what it made and what it read.
 template <int D, template <class> class E>

@@ -44,6 +44,8 @@ class OperationTable {
     return Part(op, op.outputs + op.requests + op.places, op.reads);
   }
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
+  // Every OpId is below this. Some are free: never used, or of a dropped operation.
+  std::size_t slots() const { return ops_.size(); }
 
  protected:
   enum : std::uint8_t { kQueued = 1, kExecuted = 2, kStale = 4 };

@@ -1,5 +1,5 @@
-// What a program is, for Engine and UntracedEngine (engine.h): procedures over items. A small one
-// is in tests/core/sac/. REQUIRES of a program:
+// What a program is, for Engine and UntracedEngine (engine.h): procedures over items. docs/engine.md
+// has the rules, examples/maximum_program.h is a small one. REQUIRES of a program:
 //   PayloadOf<Program>::Type                  what it keeps per operation (trivially copyable)
 //   Priority(kind, item) -> uint64            uniform; a function of what the item *is*
 //   Before(kind, item, kind, item) -> bool    strict order among equal priorities

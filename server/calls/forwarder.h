@@ -1,6 +1,6 @@
 // Hands calls on to the server that has the mesh, for clients that do not go there themselves:
-// those of earlier versions, and general tools. Calls with one request and one answer only; of a
-// stream such a client gets NOT_OWNER.
+// general tools, as grpcurl, and stubs that were made from the .proto files in any language. Calls
+// with one request and one answer only; of a stream such a client gets NOT_OWNER.
 //
 // The call is made with the client's token, id and deadline, and ends with it. It goes on at most
 // once: the other server sends it back with NOT_OWNER if it has not got the mesh either.

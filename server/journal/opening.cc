@@ -69,9 +69,9 @@ class Opener {
 
   DatabaseFormat format_ = DatabaseFormat::kNone;
   WalWalk walk_;
-  std::int64_t version_ = 0;
-  bool is_new_ = false;
-  std::string id_;  // of the journal; empty: none yet
+  std::int64_t version_ = 0;  // the schema's number
+  bool is_new_ = false;       // there are no tables yet
+  std::string id_;            // of the journal; empty: none yet
   std::vector<FoundMesh> found_;
   OpenedJournal out_;
 };
@@ -83,7 +83,7 @@ absl::Status Opener::Steps() {
   if (walk_.damaged()) {
     if (absl::Status s = CheckStructure(); !s.ok()) return s;
   }
-  if (version_ < kSchemaWithId) {
+  if (is_new_) {
     if (!out_.sealed.ok()) return out_.sealed;
     if (absl::Status s = SetLogAside(); !s.ok()) return s;
     if (absl::Status s = Prepare(); !s.ok()) return s;
@@ -97,7 +97,7 @@ absl::Status Opener::Steps() {
     if (absl::Status s = Accept(); !s.ok()) return s;
   }
   TellLosses();
-  if (version_ < kSchemaWithId) return absl::OkStatus();
+  if (is_new_) return absl::OkStatus();
   if (absl::Status s = SetLogAside(); !s.ok()) return s;
   return out_.sealed.ok() ? Prepare() : absl::OkStatus();
 }
@@ -139,8 +139,12 @@ absl::Status Opener::LookIntoDatabase() {
   if (absl::Status s = CheckJournalSchema(version_); !s.ok()) return s;
   const auto tables = NumberOf(out_.connection, "SELECT count(*) FROM sqlite_schema");
   if (!tables.ok()) return tables.status();
-  is_new_ = version_ == 0 && *tables == 0;
-  if (version_ < kSchemaWithId) return absl::OkStatus();
+  is_new_ = version_ == 0;
+  if (is_new_ && *tables > 0) {
+    return absl::FailedPreconditionError(
+        "it is no journal: it has tables, but no schema's number; move it out of the data folder");
+  }
+  if (is_new_) return absl::OkStatus();
   auto id = JournalIdOf(out_.connection);
   if (!id.ok()) return id.status();
   id_ = *std::move(id);
@@ -164,7 +168,7 @@ absl::Status Opener::TakeRecord() {
     Log(LogLevel::kError, "heads_damaged",
         {{"journal", path_}, {"error", heads.status().message()}});
   }
-  const bool had_record = version_ >= kSchemaWithId && format_ == DatabaseFormat::kWithLog;
+  const bool had_record = !is_new_ && format_ == DatabaseFormat::kWithLog;
   return MakeRecord(id_.empty() ? RandomJournalId() : id_,
                     had_record || walk_.damaged() ? State::kUnconfirmed : State::kThere);
 }
@@ -173,7 +177,7 @@ absl::Status Opener::MakeRecord(const std::string& id, State state) {
   const bool doubt = state == State::kUnconfirmed;
   Taking taking = Taking::kNo;
   std::vector<RecordedHead> heads;
-  if (version_ < kSchemaWithId) {
+  if (is_new_) {
     taking = doubt ? Taking::kInDoubt : Taking::kYes;
   } else {
     const auto found = FindMeshes(out_.connection, {});
@@ -189,8 +193,7 @@ absl::Status Opener::MakeRecord(const std::string& id, State state) {
   if (is_new_) return absl::OkStatus();
   const char* const message =
       doubt ? "nothing tells what was acknowledged: a copy of journal.sqlite alone is no backup"
-      : version_ < kSchemaWithId ? "a journal from before there was a record: taken over as it is"
-                                 : "a backup: taken over as it is";
+            : "a backup: taken over as it is";
   Log(doubt ? LogLevel::kError : LogLevel::kInfo, "heads_made",
       {{"journal", path_}, {"message", message}});
   return absl::OkStatus();

@@ -1,5 +1,7 @@
 #include "server/journal/postgres_schema.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include "absl/strings/match.h"
@@ -7,6 +9,8 @@
 
 namespace dynmesh::server::postgres {
 namespace {
+
+constexpr int kFirstSchema = 3;
 
 // Rows of `meshes` change with each append: a page has room for their new versions. Ids are
 // compared byte by byte, whatever the database's locale.
@@ -41,11 +45,24 @@ constexpr char kTables[] = R"(
     PRIMARY KEY(mesh, number));
 )";
 
-absl::Status CheckVersion(std::int64_t version) {
-  if (version <= kPostgresSchema) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat("it has schema ", version,
-                                                    ", this dynmeshd knows ", kPostgresSchema,
-                                                    ": take the newer version that wrote it"));
+// None yet. A step that changes no table, as for other bits of meshes, is an empty text.
+constexpr std::array<const char*, kPostgresSchema - kFirstSchema> kSteps = {};
+static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
+constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps};
+
+absl::Status CheckVersion(std::int64_t version, const Schemas& schemas) {
+  if (version > schemas.present()) {
+    return absl::FailedPreconditionError(absl::StrCat("it has schema ", version,
+                                                      ", this dynmeshd knows ", schemas.present(),
+                                                      ": take the newer version that wrote it"));
+  }
+  if (version < schemas.first) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "it has schema ", version, ", the oldest that this dynmeshd reads is ", schemas.first,
+        ": start the version that wrote it, save each mesh's features (dynmesh features), and load "
+        "them into a new database"));
+  }
+  return absl::OkStatus();
 }
 
 // By a query: to_regclass answers from a cache, which does not notice within a transaction what
@@ -65,49 +82,57 @@ absl::StatusOr<std::int64_t> VersionOf(Session& session) {
   return absl::DataLossError("the table dynmesh.journal has not one row: restore the schema");
 }
 
-absl::Status Make(Session& session) {
-  // A name for the lock that two servers' first starts take in turn.
+// A status that says which right the database's user lacks, if it lacks one.
+absl::Status WithRight(const absl::Status& status, absl::string_view lacks) {
+  if (!absl::StrContains(status.message(), "42501")) return status;
+  return absl::FailedPreconditionError(
+      absl::StrCat("its user may not ", lacks, ": ", status.message()));
+}
+
+// Makes the tables, or takes the steps that are missing, in one transaction. Another server may
+// have done it first.
+absl::Status MakeOrUpgrade(Session& session, const Schemas& schemas) {
+  // A name for the lock that servers take in turn.
   constexpr std::int64_t kLock = 0x64796e6d657368;
-  Answer begun = session.Execute(absl::StrCat("BEGIN; SELECT pg_advisory_xact_lock(", kLock, ")"));
+  const Answer begun =
+      session.Execute(absl::StrCat("BEGIN; SELECT pg_advisory_xact_lock(", kLock, ")"));
   if (!begun.status.ok()) return begun.status;
   const absl::StatusOr<std::int64_t> version = VersionOf(session);
   if (!version.ok()) return version.status();
-  if (*version == 0) {
-    const Answer made = session.Execute(
-        absl::StrCat(kTables, "INSERT INTO dynmesh.journal VALUES(", kPostgresSchema, ")"));
-    if (absl::StrContains(made.status.message(), "42501")) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("its user may not make the schema dynmesh: GRANT CREATE ON DATABASE: ",
-                       made.status.message()));
+  const bool is_new = *version == 0;
+  if (!is_new) {
+    if (absl::Status s = CheckVersion(*version, schemas); !s.ok()) return s;
+  }
+  if (is_new || *version < schemas.present()) {
+    std::string sql = is_new ? schemas.tables : "";
+    const std::size_t done = is_new ? 0 : static_cast<std::size_t>(*version - schemas.first);
+    for (const char* step : schemas.steps.subspan(done)) sql += step;
+    absl::StrAppend(
+        &sql,
+        is_new ? "INSERT INTO dynmesh.journal VALUES(" : "UPDATE dynmesh.journal SET version = (",
+        schemas.present(), ")");
+    const absl::Status made = session.Execute(sql).status;
+    if (!made.ok()) {
+      return WithRight(made, is_new ? "make the schema dynmesh: GRANT CREATE ON DATABASE"
+                                    : "upgrade the schema dynmesh: start once as its owner, or "
+                                      "GRANT UPDATE ON dynmesh.journal");
     }
-    if (!made.status.ok()) return made.status;
   }
   return session.Execute("COMMIT").status;
 }
 
-// From any older version; another server may do it first.
-absl::Status Upgrade(Session& session) {
-  const Answer done =
-      session.Execute(absl::StrCat("UPDATE dynmesh.journal SET version = ", kPostgresSchema,
-                                   " WHERE version < ", kPostgresSchema));
-  if (absl::StrContains(done.status.message(), "42501")) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "its user may not upgrade the schema dynmesh: GRANT UPDATE ON dynmesh.journal: ",
-        done.status.message()));
-  }
-  return done.status;
-}
-
 }  // namespace
 
-absl::Status PrepareSchema(Session& session) {
-  absl::StatusOr<std::int64_t> version = VersionOf(session);
+const Schemas& SchemasOfDatabases() { return kSchemas; }
+
+absl::Status PrepareSchema(Session& session, const Schemas& schemas) {
+  const absl::StatusOr<std::int64_t> version = VersionOf(session);
   if (!version.ok()) return version.status();
-  if (*version >= kPostgresSchema) return CheckVersion(*version);
-  if (*version > 0) return Upgrade(session);
-  if (absl::Status s = Make(session); !s.ok()) return s;
-  version = VersionOf(session);
-  return version.ok() ? CheckVersion(*version) : version.status();
+  if (*version == schemas.present()) return absl::OkStatus();
+  if (*version != 0) {
+    if (absl::Status s = CheckVersion(*version, schemas); !s.ok()) return s;
+  }
+  return MakeOrUpgrade(session, schemas);
 }
 
 }  // namespace dynmesh::server::postgres

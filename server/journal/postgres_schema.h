@@ -1,4 +1,4 @@
-// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Version 2:
+// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Version 3, the first:
 //
 //   journal      one row: the schema's version
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -12,19 +12,31 @@
 #ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_SCHEMA_H_
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_SCHEMA_H_
 
+#include <span>
+
 #include "absl/status/status.h"
 #include "server/journal/postgres_session.h"
 
 namespace dynmesh::server::postgres {
 
-// The version of the schema; also counts changes of meshes' bits, as SQLite's does. 2: entries and
-// snapshots have labels of features, which an older dynmeshd would drop; the tables are those of 1.
+// The version of the schema; also counts changes of meshes' bits, as SQLite's does.
 inline constexpr int kPostgresSchema = 3;
 
+// The versions that a database may have. A new one gets the tables of the first, and all steps.
+struct Schemas {
+  int first;                           // the oldest that is read
+  const char* tables;                  // makes it
+  std::span<const char* const> steps;  // steps[n] leads from version first + n to the next
+
+  int present() const { return first + static_cast<int>(steps.size()); }
+};
+// Those of this program; present() is kPostgresSchema.
+const Schemas& SchemasOfDatabases();
+
 // Makes the tables in one transaction, or upgrades them, or checks that they are there; several
-// servers may start at once. FAILED_PRECONDITION for a newer version, and if the user may not make
-// or upgrade them; UNAVAILABLE as Session::Run.
-absl::Status PrepareSchema(Session& session);
+// servers may start at once. FAILED_PRECONDITION for a newer version, for one before the first, and
+// if the user may not make or upgrade them; UNAVAILABLE as Session::Run.
+absl::Status PrepareSchema(Session& session, const Schemas& schemas = SchemasOfDatabases());
 
 }  // namespace dynmesh::server::postgres
 

@@ -1,11 +1,12 @@
 #include "server/journal/sqlite_schema.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
-#include "server/journal/row_sum.h"
 
 namespace dynmesh::server {
 namespace {
@@ -13,92 +14,43 @@ namespace {
 using sqlite::Connection;
 using sqlite::Statement;
 
-// kSteps[n] leads from schema n to the next. A new file goes through all steps, so it has the same
-// tables as an upgraded one. Rows are small or far larger than a page; WITHOUT ROWID saves each
-// table a second tree.
-constexpr const char* kSteps[kJournalSchema] = {
-    R"(
+constexpr int kFirstSchema = 11;
+
+// Rows are small or far larger than a page; WITHOUT ROWID saves each table a second tree.
+constexpr char kTables[] = R"(
   CREATE TABLE meshes(
     key INTEGER PRIMARY KEY AUTOINCREMENT,
     id TEXT NOT NULL UNIQUE,
     description BLOB NOT NULL,
     snapshot INTEGER NOT NULL,
-    head INTEGER NOT NULL);
-  CREATE TABLE snapshots(
-    mesh INTEGER NOT NULL, part INTEGER NOT NULL, data BLOB NOT NULL,
-    PRIMARY KEY(mesh, part)) WITHOUT ROWID;
-  CREATE TABLE entries(
-    mesh INTEGER NOT NULL, revision INTEGER NOT NULL, data BLOB NOT NULL,
-    PRIMARY KEY(mesh, revision)) WITHOUT ROWID;
-  CREATE TABLE requests(
-    mesh INTEGER NOT NULL, number INTEGER NOT NULL, id TEXT NOT NULL, answer BLOB NOT NULL,
-    PRIMARY KEY(mesh, number)) WITHOUT ROWID;
-  CREATE TABLE probes(number INTEGER PRIMARY KEY);
-  INSERT INTO probes VALUES(0);
-)",
-    // A snapshot without any part remains missing.
-    R"(
-  ALTER TABLE meshes ADD COLUMN tail_bytes INTEGER NOT NULL DEFAULT 0;
-  ALTER TABLE meshes ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0;
-  UPDATE meshes SET checksum = row_sum(id, description),
-    tail_bytes = (SELECT ifnull(sum(length(data)), 0) FROM entries WHERE mesh = key);
+    head INTEGER NOT NULL,
+    tail_bytes INTEGER NOT NULL DEFAULT 0,
+    checksum INTEGER NOT NULL DEFAULT 0);
   CREATE TABLE generations(
     mesh INTEGER NOT NULL, revision INTEGER NOT NULL, parts INTEGER NOT NULL,
     bytes INTEGER NOT NULL,
     PRIMARY KEY(mesh, revision)) WITHOUT ROWID;
-  INSERT INTO generations SELECT key, snapshot,
-    max(snapshot > 0, (SELECT count(*) FROM snapshots WHERE mesh = key)),
-    (SELECT ifnull(sum(length(data)), 0) FROM snapshots WHERE mesh = key) FROM meshes;
-  ALTER TABLE snapshots RENAME TO old_snapshots;
   CREATE TABLE snapshots(
     mesh INTEGER NOT NULL, revision INTEGER NOT NULL, part INTEGER NOT NULL, data BLOB NOT NULL,
     checksum INTEGER NOT NULL,
     PRIMARY KEY(mesh, revision, part)) WITHOUT ROWID;
-  INSERT INTO snapshots SELECT mesh, snapshot, part, data, row_sum(mesh, snapshot, part, data)
-    FROM old_snapshots JOIN meshes ON key = mesh;
-  DROP TABLE old_snapshots;
-  ALTER TABLE entries ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0;
-  UPDATE entries SET checksum = row_sum(mesh, revision, data);
-  ALTER TABLE requests ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0;
-  UPDATE requests SET checksum = row_sum(mesh, number, id, answer);
-)",
-    R"(
+  CREATE TABLE entries(
+    mesh INTEGER NOT NULL, revision INTEGER NOT NULL, data BLOB NOT NULL,
+    checksum INTEGER NOT NULL DEFAULT 0,
+    PRIMARY KEY(mesh, revision)) WITHOUT ROWID;
+  CREATE TABLE requests(
+    mesh INTEGER NOT NULL, number INTEGER NOT NULL, id TEXT NOT NULL, answer BLOB NOT NULL,
+    checksum INTEGER NOT NULL DEFAULT 0,
+    PRIMARY KEY(mesh, number)) WITHOUT ROWID;
+  CREATE TABLE probes(number INTEGER PRIMARY KEY);
+  INSERT INTO probes VALUES(0);
   CREATE TABLE journal(id BLOB NOT NULL);
-)",
-    // Rows name the bits that their hashes belong to (kMeshBits). An older dynmeshd without bits
-    // would take them for damage.
-    "",
-    // Bits 3. An older dynmeshd would recover their meshes with bits 2.
-    "",
-    // Bits 4.
-    "",
-    // Bits 5. Descriptions name min_dihedral; those without it are of meshes without
-    // (DecodeJournalMesh).
-    "",
-    // Bits 6.
-    "",
-    // Descriptions name the kind of mesh. An older dynmeshd would recover a quadtree as a Delaunay
-    // mesh.
-    "",
-    // Entries and snapshots have labels of features. An older dynmeshd would drop them.
-    "",
-    // Bits 7.
-    ""};
+)";
 
-// The SQL function row_sum(...): RowSumOf.
-void SumOfColumns(sqlite3_context* context, int count, sqlite3_value** columns) {
-  RowSum sum;
-  for (int i = 0; i < count; ++i) {
-    if (sqlite3_value_type(columns[i]) == SQLITE_INTEGER) {
-      sum.Add(std::int64_t{sqlite3_value_int64(columns[i])});
-      continue;
-    }
-    const void* data = sqlite3_value_blob(columns[i]);
-    const auto size = static_cast<std::size_t>(sqlite3_value_bytes(columns[i]));
-    sum.Add(absl::string_view(static_cast<const char*>(data), size));
-  }
-  sqlite3_result_int64(context, sum.value());
-}
+// None yet. A step that changes no table, as for other bits of meshes, is an empty text.
+constexpr std::array<const char*, kJournalSchema - kFirstSchema> kSteps = {};
+static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
+constexpr JournalSchemas kSchemas = {kFirstSchema, kTables, kSteps};
 
 absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
   Statement statement(connection, "PRAGMA user_version");
@@ -109,14 +61,25 @@ absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
 
 }  // namespace
 
-absl::Status CheckJournalSchema(std::int64_t schema) {
-  if (schema <= kJournalSchema) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat("it has schema ", schema,
-                                                    ", this dynmeshd knows ", kJournalSchema,
-                                                    ": take the newer version that wrote it"));
+const JournalSchemas& SchemasOfJournals() { return kSchemas; }
+
+absl::Status CheckJournalSchema(std::int64_t schema, const JournalSchemas& schemas) {
+  if (schema > schemas.present()) {
+    return absl::FailedPreconditionError(absl::StrCat("it has schema ", schema,
+                                                      ", this dynmeshd knows ", schemas.present(),
+                                                      ": take the newer version that wrote it"));
+  }
+  if (schema != 0 && schema < schemas.first) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "it has schema ", schema, ", the oldest that this dynmeshd reads is ", schemas.first,
+        ": start the version that wrote it, save each mesh's features (dynmesh features), and load "
+        "them into a new journal"));
+  }
+  return absl::OkStatus();
 }
 
-absl::Status PrepareJournal(Connection& connection, const std::string& path, absl::string_view id) {
+absl::Status PrepareJournal(Connection& connection, const std::string& path, absl::string_view id,
+                            const JournalSchemas& schemas) {
   if (absl::Status s = connection.Run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
                                       "PRAGMA journal_size_limit=67108864");
       !s.ok()) {
@@ -124,21 +87,21 @@ absl::Status PrepareJournal(Connection& connection, const std::string& path, abs
   }
   const absl::StatusOr<std::int64_t> version = VersionOf(connection);
   if (!version.ok()) return version.status();
-  if (absl::Status s = CheckJournalSchema(*version); !s.ok()) return s;
-  if (*version == kJournalSchema) return absl::OkStatus();
-  const int made = sqlite3_create_function_v2(connection.get(), "row_sum", -1, SQLITE_UTF8, nullptr,
-                                              &SumOfColumns, nullptr, nullptr, nullptr);
-  if (absl::Status s = connection.StatusOf(made, "row_sum"); !s.ok()) return s;
+  if (absl::Status s = CheckJournalSchema(*version, schemas); !s.ok()) return s;
+  if (*version == schemas.present()) return absl::OkStatus();
+  const bool is_new = *version == 0;
   std::string sql = "BEGIN IMMEDIATE;";
-  for (std::int64_t step = *version; step < kJournalSchema; ++step) sql += kSteps[step];
-  if (*version < kSchemaWithId) {
+  if (is_new) sql += schemas.tables;
+  const std::size_t done = is_new ? 0 : static_cast<std::size_t>(*version - schemas.first);
+  for (const char* step : schemas.steps.subspan(done)) sql += step;
+  if (is_new) {
     absl::StrAppend(&sql, "INSERT INTO journal VALUES(x'", absl::BytesToHexString(id), "');");
   }
-  absl::StrAppend(&sql, "PRAGMA user_version=", kJournalSchema, ";COMMIT");
+  absl::StrAppend(&sql, "PRAGMA user_version=", schemas.present(), ";COMMIT");
   absl::Status status = connection.Run(sql.c_str());
-  if (status.ok() && *version > 0) {
+  if (status.ok() && !is_new) {
     Log(LogLevel::kInfo, "journal_upgraded",
-        {{"journal", path}, {"from", *version}, {"to", kJournalSchema}});
+        {{"journal", path}, {"from", *version}, {"to", schemas.present()}});
   }
   return status;
 }

@@ -1,4 +1,4 @@
-// The tables of the journal in SQLite, and the upgrade from older versions. Schema 11:
+// The tables of the journal in SQLite, and the upgrade from older versions. Schema 11, the first:
 //
 //   journal      one row: the journal's id, which is also in journal.heads (heads_file.h)
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -14,6 +14,7 @@
 #define DYNMESH_SERVER_JOURNAL_SQLITE_SCHEMA_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "absl/status/status.h"
@@ -21,19 +22,29 @@
 
 namespace dynmesh::server {
 
-// The schema's number in the file.
+// The schema's number in the file. It also counts changes of meshes' bits.
 inline constexpr int kJournalSchema = 11;
-// From this schema on a journal has an id, a record of its heads, and the present tables.
-inline constexpr int kSchemaWithId = 3;
 
-// FAILED_PRECONDITION for a newer one.
-absl::Status CheckJournalSchema(std::int64_t schema);
+// The schemas that a journal may have. A new file gets the tables of the first, and all steps.
+struct JournalSchemas {
+  int first;                           // the oldest that is read
+  const char* tables;                  // makes it
+  std::span<const char* const> steps;  // steps[n] leads from schema first + n to the next
+
+  int present() const { return first + static_cast<int>(steps.size()); }
+};
+// Those of this program; present() is kJournalSchema.
+const JournalSchemas& SchemasOfJournals();
+
+// FAILED_PRECONDITION for a newer schema than the present, and for one before the first.
+absl::Status CheckJournalSchema(std::int64_t schema,
+                                const JournalSchemas& schemas = SchemasOfJournals());
 
 // Configures the connection, and makes the tables or upgrades an older schema, in one transaction;
-// an upgrade takes O(file). `id`: given to a journal that has none. FAILED_PRECONDITION for a newer
-// schema.
+// an upgrade takes O(file). `id`: given to a new journal. Errors: as CheckJournalSchema.
 absl::Status PrepareJournal(sqlite::Connection& connection, const std::string& path,
-                            absl::string_view id);
+                            absl::string_view id,
+                            const JournalSchemas& schemas = SchemasOfJournals());
 
 }  // namespace dynmesh::server
 

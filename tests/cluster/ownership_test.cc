@@ -69,7 +69,7 @@ TEST_F(OwnershipTest, AClientOfAnyNodeIsSentToTheOwner) {
   EXPECT_TRUE(absl::IsNotFound(ConnectTo(1)->GetMesh("m").status()));
 }
 
-// A client that says nothing of redirects, as an earlier version.
+// A client that says nothing of redirects, as grpcurl.
 TEST_F(OwnershipTest, CallsOfAClientThatDoesNotFollowAreHandedOn) {
   StartNodes(2);
   ASSERT_TRUE(ConnectTo(0)->CreateMesh("m", MeshOptions(), "make").ok());

@@ -27,6 +27,7 @@ FOLDERS = ("core/include", "client/include", "proto/codec/include")  # of public
 PYTHON_FOLDER = "lib/python3/dist-packages"
 HAS_PYTHON = any((BUILD / "python/dynmesh").glob("_core*.so"))  # not with -DDYNMESH_PYTHON=OFF
 WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
+ENGINE_SAYS = "the trace is that of a run from scratch\n"  # examples/maximum.cc
 PLATE = """8 2 0 0
 1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .4 .4\n6 .6 .4\n7 .6 .6\n8 .4 .6
 8 0
@@ -117,6 +118,7 @@ class Installed(Folder):
             )
         run("cmake", "--build", where)
         self.assertEqual(run(where / "consumer").split(), [version(), expected_hash()])
+        self.assertIn(ENGINE_SAYS, run(where / "consumer_engine"))
         with Server(self.folder / "port") as address:
             self.assertEqual(run(where / "consumer_client", address).split(), [expected_hash()])
 
@@ -189,6 +191,12 @@ class Installed(Folder):
             *self.pkg_config("--libs", "dynmesh"))
         self.assertEqual(run(program).split(), [version(), expected_hash()])
 
+    def test_a_program_on_the_engine_is_built_with_pkg_config(self):
+        program = self.folder / "engine_by_pkg_config"
+        run(CXX, "-std=c++20", *WARNINGS, *self.pkg_config("--cflags", "dynmesh"),
+            SOURCE / "examples/maximum.cc", "-o", program, *self.pkg_config("--libs", "dynmesh"))
+        self.assertIn(ENGINE_SAYS, run(program))
+
     def test_a_client_finds_its_libraries_with_pkg_config(self):
         program = self.folder / "client_by_pkg_config"
         run(CXX, "-std=c++20", *WARNINGS, *self.pkg_config("--cflags", "dynmesh-client"),
@@ -209,6 +217,7 @@ class Installed(Folder):
         headers = sorted(str(path.relative_to(include)) for path in include.rglob("*.h"))
         self.assertIn("dynmesh/client/mesh_client.h", headers)
         self.assertIn("dynmesh/version.h", headers)
+        self.assertIn("dynmesh/sac/engine.h", headers)
         all_of_them = self.folder / "all.cc"
         all_of_them.write_text("".join(f'#include "{header}"\n' for header in headers))
         run(CXX, "-std=c++20", "-fsyntax-only", *WARNINGS, f"-I{include}", all_of_them)
@@ -452,6 +461,10 @@ class Packages(Folder):
         include = {str(path.relative_to(root)) for root in
                    (SOURCE / folder for folder in FOLDERS)
                    for path in root.rglob("*.h")}
+        engine = [path for folder in ("core/sac", "core/base") for path in
+                  (SOURCE / folder).glob("*.h")
+                  if folder == "core/sac" or path.name in ("huge_pages.h", "large_vector.h")]
+        include |= {f"dynmesh/sac/{path.name}" for path in engine}
         self.assertEqual(
             {name for name in files if name.endswith(".h")},
             {f"/usr/include/{name}" for name in include},

@@ -1,4 +1,4 @@
-// A small program for the self-adjusting engine, complete, and how to write one.
+// A small program for the self-adjusting engine, complete.
 //
 // THE PROBLEM. Points with weights on a line of integers choose leaders, level by level.
 // At level l the points take turns in a fixed random order. A point looks at the nearest leader
@@ -11,28 +11,9 @@
 // This file has the class and the procedures; leader_changes.h publishes their outputs and sends
 // the notifications.
 //
-// HOW TO WRITE A PROGRAM
-//  1. Cut the algorithm into *operations* (kind, item, epoch) that each do O(1) work:
-//     Join(point, level) is a point's turn; Gather(leader, level) sums a leader up. The
-//     *epoch* is the part of the order known at the request (here 2l for Join, 2l+1 for
-//     Gather); a hash of the item gives the order within it. Both are functions of the
-//     item's identity, never of its index.
-//  2. An operation's results are *outputs*: words that name objects or states. Objects
-//     (here Records) have a birth, the time of the operation that made them; a reader
-//     checks Sees(birth). States (here Deposed) make an object invisible from their time
-//     on. Emitting the same word again keeps an output, and nothing after it is re-run. So
-//     search old_outputs() for an equal one before making a new object.
-//  3. Everything an operation reads that another may write is covered by *places* that it
-//     subscribes to, or is on its own item (NotifyChain). Publish and Withdraw notify
-//     there, with the sharpest filter that can be proved. The filter's data about an
-//     operation is in its payload and reads.
-//  4. Two operations may set the same state during a propagation, or after an abandoned
-//     one: keep all of them; the earliest counts.
-//  5. Nothing is reused before Release. Words of states may be published again before
-//     that, so they need no action.
-//  6. Request only later operations. The engine asserts it.
-//  7. No decision of an operation may depend on indices, on the order of lists or on the
-//     size of places. Tests compare hashes of traces that were made in other ways.
+// The rules for programs are in docs/engine.md. Operations here: Join(point, level) is a point's
+// turn; Gather(leader, level) sums a leader up. Epochs are 2l for Join, 2l+1 for Gather. Objects are
+// Records; the state Deposed makes a record invisible from its time on.
 //
 // The places are the nodes of a binary tree over the line; level l is at height l + fold, and
 // Fold() moves everything one height up, like a tree that merges leaves.

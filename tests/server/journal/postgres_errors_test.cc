@@ -7,7 +7,6 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "server/journal/postgres_schema.h"
 #include "server/journal/postgres_target.h"
 #include "tests/server/journal/postgres_fixture.h"
 #include "tests/server/journal/told.h"
@@ -101,42 +100,6 @@ TEST_F(PostgresErrorsTest, MissingRightsAreNamed) {
   status = (*journal)->Create("m", "").status();
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
   EXPECT_TRUE(absl::StrContains(status.message(), "grant it on the schema dynmesh")) << status;
-}
-
-// Version 1 has the same tables, and no labels.
-TEST_F(PostgresErrorsTest, ASchemaBeforeLabelsGoesOn) {
-  const Journal::Key key = *Open()->Create("m", "about m");
-  Sql("UPDATE dynmesh.journal SET version = 1");
-  for (int i = 0; i < 2; ++i) {
-    const auto journal = OpenPostgresJournal(server_.Url(database_), {});
-    ASSERT_TRUE(journal.ok()) << journal.status();
-    const auto meshes = (*journal)->List();
-    ASSERT_TRUE(meshes.ok() && meshes->size() == 1u) << meshes.status();
-    EXPECT_EQ(meshes->front().key, key);
-    EXPECT_EQ(meshes->front().description, "about m");
-    EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), absl::StrCat(postgres::kPostgresSchema));
-  }
-}
-
-TEST_F(PostgresErrorsTest, AnUpgradeWithoutTheRightToItIsNamed) {
-  Sql("DO $$ BEGIN CREATE ROLE guest LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
-  ASSERT_NE(Open(), nullptr);
-  Sql("GRANT USAGE ON SCHEMA dynmesh TO guest; GRANT SELECT ON ALL TABLES IN SCHEMA dynmesh TO "
-      "guest");
-  Sql("UPDATE dynmesh.journal SET version = 1");
-  const std::string url = absl::StrCat(server_.Url(database_), "?user=guest");
-  const absl::Status status = OpenPostgresJournal(url, {}).status();
-  EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
-  EXPECT_TRUE(absl::StrContains(status.message(), "GRANT UPDATE ON dynmesh.journal")) << status;
-  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), "1");
-}
-
-TEST_F(PostgresErrorsTest, ANewerSchemaIsRefused) {
-  ASSERT_NE(Open(), nullptr);
-  Sql("UPDATE dynmesh.journal SET version = 99");
-  const absl::Status status = OpenPostgresJournal(server_.Url(database_), {}).status();
-  EXPECT_TRUE(absl::IsFailedPrecondition(status));
-  EXPECT_TRUE(absl::StrContains(status.message(), "schema 99")) << status;
 }
 
 TEST_F(PostgresErrorsTest, AnAbsentServerOrDatabaseIsNamed) {
