@@ -153,9 +153,11 @@ TEST(Formats, TheApisNameEachRow) {
     return found;
   };
   const Extensions header = named("core/include/dynmesh/files.h");
+  const Extensions python = named("client/python/dynmesh/_files.py");
   for (const Format& f : Formats()) {
     const std::string extension(f.extension);
     EXPECT_TRUE(header.contains(extension)) << "files.h: " << extension;
+    EXPECT_TRUE(python.contains(extension) || !f.read_geometry) << "_files.py: " << extension;
   }
 }
 
