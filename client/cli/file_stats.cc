@@ -11,25 +11,16 @@
 #include "client/verify/verify_quadtree.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
-#include "core/io/elements/element_mesh.h"
-#include "core/io/meshes/mesh_files.h"
-#include "core/io/quadtrees/leaf_list.h"
+#include "core/io/formats/mesh_input.h"
 
 namespace dynmesh::cli {
 namespace {
 
-absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
+absl::Status CheckFlags(const FileStatsFlags& flags) {
   if (auto status = CheckRhoFlag(flags.rho); !status.ok()) return status;
   if (auto status = CheckMinDihedralFlag(flags.min_dihedral); !status.ok()) return status;
   if (!flags.svg.empty() && io::ExtensionOf(flags.svg) != ".svg") {
     return absl::InvalidArgumentError(text::Concat("--svg ", flags.svg, ": must end in .svg"));
-  }
-  const std::string extension = io::ExtensionOf(path);
-  for (const char* other : {".poly", ".smesh", ".off", ".stl", ".obj", ".svg"}) {
-    if (extension == other) {
-      return absl::InvalidArgumentError(text::Concat(
-          path, ": no mesh that can be read: give the .node file that `dynmesh mesh -o` writes"));
-    }
   }
   return absl::OkStatus();
 }
@@ -81,7 +72,7 @@ int RunLeafStats(const std::string& path, const FileStatsFlags& flags, bool json
           "%s: %s has the leaves of a quadtree, and simplices have that", flag, path)));
     }
   }
-  const absl::StatusOr<io::LeafList> list = io::ReadLeafCsv(path);
+  const absl::StatusOr<io::LeafList> list = io::ReadLeaves(path);
   if (!list.ok()) return ReportError(list.status());
   std::vector<Feature> features;
   if (!flags.lfs.empty()) {
@@ -99,16 +90,9 @@ int RunLeafStats(const std::string& path, const FileStatsFlags& flags, bool json
 }  // namespace
 
 int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json) {
-  if (io::ExtensionOf(path) == ".csv") return RunLeafStats(path, flags, json);
-  if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
-  absl::StatusOr<io::MeshFiles> files = io::MeshFiles();
-  if (io::IsElementFile(path)) {
-    const absl::StatusOr<io::ElementMesh> elements = io::ReadElements(path);
-    if (!elements.ok()) return ReportError(elements.status());
-    files->mesh = io::ToIndexed(*elements);
-  } else {
-    files = io::ReadMeshFiles(path);
-  }
+  if (io::IsLeafFile(path)) return RunLeafStats(path, flags, json);
+  if (auto status = CheckFlags(flags); !status.ok()) return ReportError(status);
+  const absl::StatusOr<io::MeshFiles> files = io::ReadAnyMesh(path);
   if (!files.ok()) return ReportError(files.status());
   const int dimension = files->mesh.dimension;
   if (auto status = CheckMinDihedralFlag(flags.min_dihedral, path, dimension); !status.ok()) {

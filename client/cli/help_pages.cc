@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/text.h"
+#include "core/io/formats/formats.h"
 #include "dynmesh/version.h"
 
 namespace dynmesh::cli {
@@ -130,12 +131,13 @@ std::string Roff(std::string_view text) {
 
 struct HelpCommand {
   std::string command;
-  bool man = false, completion = false;
+  bool man = false, completion = false, formats = false;
 };
 
 int Run(const CLI::App& app, const HelpCommand& help) {
   if (help.man) return PrintOut(ManPage(app)) ? kExitDone : kExitFailed;
   if (help.completion) return PrintOut(BashCompletion(app)) ? kExitDone : kExitFailed;
+  if (help.formats) return PrintOut(io::FormatTable()) ? kExitDone : kExitFailed;
   if (help.command.empty()) return PrintOut(app.help()) ? kExitDone : kExitFailed;
   for (const CLI::App* const command : CommandsOf(app)) {
     if (command->get_name() == help.command) {
@@ -171,6 +173,7 @@ void RegisterHelpCommand(CLI::App& app, CommandSlot& slot) {
                                    [&app, help] { return Run(app, *help); });
   sub->add_option("COMMAND", help->command, "As `dynmesh COMMAND --help`");
   sub->add_flag("--man", help->man, "Print a page for man(1)");
+  sub->add_flag("--formats", help->formats, "Print the formats of files that are read and written");
   sub->add_flag("--bash-completion", help->completion, "Print a script for bash-completion");
 }
 
@@ -229,7 +232,8 @@ std::string ManPage(const CLI::App& app) {
       page += Concat(".PP\n.nf\n", Roff(command->get_footer()), ".fi\n");
     }
   }
-  return page + ".SH SEE ALSO\n" + Roff("docs/commands.md and docs/input.md of dynmesh") + "\n";
+  return Concat(page, ".SH FILES\n.nf\n", Roff(io::FormatTable()), ".fi\n.SH SEE ALSO\n",
+                Roff("docs/commands.md and docs/input.md of dynmesh"), "\n");
 }
 
 std::string BashCompletion(const CLI::App& app) {

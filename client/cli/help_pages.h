@@ -14,7 +14,7 @@ namespace dynmesh::cli {
 // Puts three examples below the help of each command of `app`.
 void AddExamples(CLI::App& app);
 
-// dynmesh help [COMMAND] [--man] [--bash-completion]
+// dynmesh help [COMMAND] [--man] [--formats] [--bash-completion]
 void RegisterHelpCommand(CLI::App& app, CommandSlot& slot);
 
 // What the arguments of a failed parse should have been: "", or "; did you mean 'mesh'?". `message`

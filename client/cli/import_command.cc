@@ -21,8 +21,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/vertex_limit.h"
 #include "core/base/text.h"
-#include "core/io/common/extension.h"
-#include "core/io/plane/planar_output.h"
+#include "core/io/formats/mesh_output.h"
 #include "dynmesh/dynamic_mesh.h"
 
 namespace dynmesh::cli {
@@ -50,16 +49,6 @@ struct ImportCommand {
   bool all = false;
   bool json = false;
 };
-
-enum class OutputKind { kPoly, kScript };
-
-absl::StatusOr<OutputKind> OutputKindOf(const std::string& path) {
-  const std::string extension = io::ExtensionOf(path);
-  if (extension == ".poly") return OutputKind::kPoly;
-  if (extension == ".dynmesh") return OutputKind::kScript;
-  return absl::InvalidArgumentError(
-      Concat("-o: ", path, " is neither a .poly nor a .dynmesh (an edit script)"));
-}
 
 double DistanceOf(const Change& change) {
   // For these kinds `from` and `to` are the ends of an edge, not a motion.
@@ -205,13 +194,17 @@ absl::Status CheckWhatIsLeft(const ImportCommand& command, const Input& input,
   return absl::OkStatus();
 }
 
-// Features that a .poly cannot represent.
-absl::Status CheckForPoly(const std::string& path, const std::vector<Feature>& features) {
-  if (const std::size_t polygons = CountOf(features, FeatureKind::kPolygon); polygons != 0) {
-    return absl::InvalidArgumentError(Concat("-o: ", path, ": a .poly has no place for the ",
-                                             polygons, " polygon(s); write a .dynmesh"));
+// Features that the format of `path` cannot represent.
+absl::Status CheckKept(const std::string& path, const std::vector<Feature>& features) {
+  const io::Format& format = *io::FindFormat(path);
+  const std::size_t polygons = CountOf(features, FeatureKind::kPolygon);
+  if (polygons != 0 && !format.Is(io::kKeepsPolygons)) {
+    return absl::InvalidArgumentError(Concat("-o: ", path, ": a ", format.extension,
+                                             " has no place for the ", polygons,
+                                             " polygon(s); write a .dynmesh"));
   }
-  if (const std::size_t sizes = CountOf(features, FeatureKind::kSize); sizes != 0) {
+  const std::size_t sizes = CountOf(features, FeatureKind::kSize);
+  if (sizes != 0 && !format.Is(io::kKeepsSizes)) {
     PrintWarning(
         Concat(path, ": ", sizes, " sizing feature(s) left out; a .dynmesh has place for them"));
   }
@@ -285,8 +278,8 @@ int Run(const ImportCommand& command) {
     return ReportError(absl::InvalidArgumentError(
         Concat("--feature-angle is for surfaces; ", command.input, " is 2D")));
   }
-  const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
-  if (!kind.ok()) return ReportError(kind.status());
+  if (auto status = CheckOutput(2, command.output); !status.ok()) return ReportError(status);
+  const bool keeps_seeds = io::FindFormat(command.output)->Is(io::kKeepsSeeds);
   ImportSummary summary;
   CleanResult result;
   if (command.clean) {
@@ -300,12 +293,12 @@ int Run(const ImportCommand& command) {
     result.features = input->features;
   }
   summary.AddCounts(input->features, result.features);
-  if (*kind == OutputKind::kPoly) {
-    if (auto status = CheckForPoly(command.output, result.features); !status.ok()) {
-      return ReportError(status);
-    }
-  } else if (auto status = MarkSeeds(command.clean, *input, result.features); !status.ok()) {
+  if (auto status = CheckKept(command.output, result.features); !status.ok()) {
     return ReportError(status);
+  }
+  if (!keeps_seeds) {
+    const absl::Status marked = MarkSeeds(command.clean, *input, result.features);
+    if (!marked.ok()) return ReportError(marked);
   }
   // Cleaning splits and merges what has them; polygons keep their ids.
   io::FeatureLabels labels = *input->labels;
@@ -316,10 +309,8 @@ int Run(const ImportCommand& command) {
     labels.markers.clear();
     labels.attributes = 0;
   }
-  const absl::Status written =
-      *kind == OutputKind::kPoly
-          ? io::WritePolyFile(command.output, result.features, input->holes, input->regions, labels)
-          : io::WriteFeatureScript(command.output, input->options, result.features, labels);
+  const absl::Status written = io::WriteFeatureFile(
+      command.output, {input->options, result.features, input->holes, input->regions, labels});
   if (!written.ok()) return ReportError(written);
   std::string report;
   if (command.json) {
@@ -341,9 +332,8 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub =
       AddCommand(app, slot, "import", "Read a map, a surface or other input, clean it, write it",
                  [command] { return Run(*command); });
-  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
-  sub->add_option("-o,--output", command->output,
-                  "Where to: .poly, or .dynmesh (an edit script); of 3D input also .smesh or .off")
+  sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
+  sub->add_option("-o,--output", command->output, "Where to: " + io::FeatureOutputFormats())
       ->required()
       ->type_name("OUT");
   sub->add_flag("--clean", command->clean,

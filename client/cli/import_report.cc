@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/formats/mesh_output.h"
 #include "core/plc/rules.h"
 
 namespace dynmesh::cli {
@@ -29,6 +30,12 @@ absl::StatusOr<double> ToleranceOf(std::optional<double> given, const MeshOption
                                              io::FormatDouble(*given)));
   }
   return *given;
+}
+
+absl::Status CheckOutput(int dimension, const std::string& path) {
+  const absl::Status status = io::CheckFeatureOutput(dimension, path);
+  if (status.ok()) return status;
+  return absl::Status(status.code(), Concat("-o: ", text::View(status.message())));
 }
 
 std::string ChangeLine(const char* name, const std::vector<FeatureId>& ids,

@@ -24,6 +24,9 @@ std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind);
 absl::StatusOr<double> ToleranceOf(std::optional<double> given, const MeshOptions& options,
                                    double default_limits, double least_limits);
 
+// INVALID_ARGUMENT, naming -o, unless features of this dimension are written to such a path.
+absl::Status CheckOutput(int dimension, const std::string& path);
+
 // A change as a line of JSON. `from` and `to` have as many coordinates as dimensions.
 std::string ChangeLine(const char* name, const std::vector<FeatureId>& ids,
                        std::span<const double> from, std::span<const double> to);

@@ -1,7 +1,5 @@
 #include "client/cli/import_surface.h"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -20,9 +18,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
 #include "core/base/text.h"
-#include "core/io/common/extension.h"
-#include "core/io/plane/planar_output.h"
-#include "core/io/space/surface_output.h"
+#include "core/io/formats/mesh_output.h"
 #include "dynmesh/dynamic_mesh.h"
 
 namespace dynmesh::cli {
@@ -145,36 +141,25 @@ absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& 
 
 absl::Status Write(const SurfaceImport& command, const Input& input,
                    const std::vector<Feature>& features, const io::FeatureLabels& labels) {
-  const std::string extension = io::ExtensionOf(command.output);
-  const auto left_out = [&](std::size_t count, const char* what) {
-    if (count != 0) PrintWarning(Concat(command.output, ": ", count, " ", what, " left out"));
+  const io::Format& format = *io::FindFormat(command.output);
+  const auto left_out = [&](io::FormatFlag keeps, std::size_t count, const char* what) {
+    if (count == 0 || format.Is(keeps)) return;
+    PrintWarning(Concat(command.output, ": ", count, " ", what, " left out"));
   };
-  if (extension == ".dynmesh") {
-    left_out(input.holes.size() + input.regions.size(), "position(s) of holes and regions");
-    return io::WriteFeatureScript(command.output, input.options, features, labels);
-  }
-  left_out(CountOf(features, FeatureKind::kSize), "sizing feature(s)");
-  left_out(labels.names.size(), "name(s)");
-  if (extension == ".off") {
-    left_out(CountOf(features, FeatureKind::kSegment), "segment(s)");
-    left_out(labels.markers.size(), "marker(s)");
-    left_out(input.holes.size() + input.regions.size(), "position(s) of holes and regions");
-    return io::WriteOffFile(command.output, features);
-  }
-  const auto write = extension == ".poly" ? io::WriteSpacePolyFile : io::WriteSmeshFile;
-  return write(command.output, features, input.holes, input.regions, labels);
+  left_out(io::kKeepsSizes, CountOf(features, FeatureKind::kSize), "sizing feature(s)");
+  left_out(io::kKeepsNames, labels.names.size(), "name(s)");
+  left_out(io::kKeepsSegments, CountOf(features, FeatureKind::kSegment), "segment(s)");
+  left_out(io::kKeepsMarkers, labels.markers.size(), "marker(s)");
+  left_out(io::kKeepsSeeds, input.holes.size() + input.regions.size(),
+           "position(s) of holes and regions");
+  return io::WriteFeatureFile(command.output,
+                              {input.options, features, input.holes, input.regions, labels});
 }
 
 }  // namespace
 
 int ImportSurface(const SurfaceImport& command, Input input) {
-  const std::string extension = io::ExtensionOf(command.output);
-  constexpr std::array<std::string_view, 4> kKinds = {".poly", ".smesh", ".off", ".dynmesh"};
-  if (std::ranges::find(kKinds, extension) == kKinds.end()) {
-    return ReportError(absl::InvalidArgumentError(
-        Concat("-o: ", command.output,
-               " is neither a .poly, .smesh or .off nor a .dynmesh (an edit script)")));
-  }
+  if (auto status = CheckOutput(3, command.output); !status.ok()) return ReportError(status);
   SurfaceCleanResult result;
   ImportSummary summary;
   Refusals refusals;
@@ -187,7 +172,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     cleaning::SurfaceCleanOptions options;
     options.tolerance = *tolerance;
     options.max_steps = command.max_steps;
-    options.holes = extension == ".dynmesh";
+    options.holes = io::FindFormat(command.output)->Is(io::kKeepsPolygonHoles);
     ProgressBar bar(ErrorIsTerminal());
     bar.Show(0, 0, "cleaning");
     const auto start = std::chrono::steady_clock::now();

@@ -8,6 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/text.h"
+#include "core/io/formats/formats.h"
 #include "core/mesh_data/chambers.h"
 #include "core/transfer/scattered.h"
 
@@ -153,12 +154,15 @@ void LabelRegions(const std::vector<io::SeedRow>& regions, io::IndexedMesh& mesh
 
 void AddMarkersFlag(CLI::App& command, std::string& text) {
   command
-      .add_option("--markers", text,
-                  "Markers of .node, .edge, .face, .poly, .smesh, .msh and .mesh: ids of features "
-                  "(owners: of a .node on Steiner points, too), or the input's, which Steiner "
-                  "points inherit; then 1 is the border's, and a triangle or tetrahedron has the "
-                  "attribute of its region, else the marker of its polygon (default: ids; a .vtu "
-                  "has both)")
+      .add_option(
+          "--markers", text,
+          text::Concat("Markers of ",
+                       io::ListOfFormats(
+                           [](const io::Format& f) { return f.Is(io::kChosenMarkers); }, "and"),
+                       ": ids of features (owners: of a .node on Steiner points, too), or the "
+                       "input's, which Steiner points inherit; then 1 is the border's, and a "
+                       "triangle or tetrahedron has the attribute of its region, else the marker "
+                       "of its polygon (default: ids; a .vtu has both)"))
       ->type_name("ids|owners|input");
 }
 

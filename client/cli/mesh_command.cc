@@ -213,12 +213,15 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   command->remote = std::move(remote);
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
                                    [command] { return Run(*command); });
-  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
+  sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   AddInputFlags(*sub, command->reading);
-  sub->add_flag("-r,--refine", command->reading.refine,
-                "INPUT is a mesh (.node with .ele, .msh, .mesh or .vtu): its vertices become "
-                "points, its constrained edges and faces segments and polygons, largest areas or "
-                "volumes of a .area or .vol sizes; with --inside");
+  sub->add_flag(
+      "-r,--refine", command->reading.refine,
+      Concat("INPUT is a mesh (.node with .ele, ",
+             io::ListOfFormats([](const io::Format& f) { return f.read_elements != nullptr; }),
+             "): its vertices become points, its constrained edges and faces segments "
+             "and polygons, largest areas or volumes of a .area or .vol sizes; with "
+             "--inside"));
   AddMeshFlags(*sub, command->mesh);
   sub->get_option("--max-vertices")
       ->description(

@@ -9,8 +9,8 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
-#include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
+#include "core/io/elements/size_limits.h"
 #include "core/io/script/edit_script.h"
 #include "dynmesh/error.h"
 
@@ -244,7 +244,7 @@ absl::Status ApplyOtherWords(const MeshFlags& flags, MeshOptions& options) {
                                         : "the mesh is 2D: give --max-area");
     }
     if (!(*value > 0)) return error(flag, "must be above 0");
-    options.max_edge = dimension == 2 ? TargetOfArea(*value) : TargetOfVolume(*value);
+    options.max_edge = dimension == 2 ? io::TargetOfArea(*value) : io::TargetOfVolume(*value);
   }
   return absl::OkStatus();
 }

@@ -6,32 +6,20 @@
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/common/text_reader.h"
-#include "core/io/meshes/indexed_mesh.h"
-#include "core/io/meshes/medit_writer.h"
-#include "core/io/meshes/mesh_files.h"
-#include "core/io/meshes/msh_writer.h"
-#include "core/io/meshes/vtu_writer.h"
-#include "core/io/pictures/leaf_svg.h"
+#include "core/io/formats/formats.h"
+#include "core/io/formats/mesh_output.h"
 #include "core/io/pictures/mesh_picture.h"
-#include "core/io/pictures/svg_writer.h"
-#include "core/io/quadtrees/leaf_list.h"
 #include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using io::ExtensionOf;
+using text::Concat;
 
-bool IsTriangles(const std::string& extension) {
-  return extension == ".node" || extension == ".ele" || extension == ".edge" ||
-         extension == ".face" || extension == ".neigh" || extension == ".poly" ||
-         extension == ".smesh";
-}
+// Is it one of Triangle's or TetGen's files of a mesh, with a common base name?
+bool IsMeshPart(const std::string& path) { return io::StemOfMeshFiles(path) != path; }
 
-bool IsKnown(const std::string& extension) {
-  return IsTriangles(extension) || extension == ".vtu" || extension == ".msh" ||
-         extension == ".mesh" || extension == ".svg" || extension == ".csv";
-}
+bool HasSecondOrder(const io::Format& f) { return f.Is(io::kSecondOrder) && f.IsMainFile(); }
 
 // "z=0.5", or "z" for the middle.
 absl::Status ParseCut(std::string_view flag, std::string_view text, io::SvgOptions& svg) {
@@ -41,7 +29,7 @@ absl::Status ParseCut(std::string_view flag, std::string_view text, io::SvgOptio
   const bool has_position = text.size() > 1;
   if (axis == std::string_view::npos ||
       (has_position && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
-    return absl::InvalidArgumentError(text::Concat(
+    return absl::InvalidArgumentError(Concat(
         flag, ": expected an axis and a place as z=0.5, or an axis, found ", text::Quoted(text)));
   }
   svg.cut_axis = static_cast<int>(axis);
@@ -91,17 +79,20 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
       .add_option(
           "-o,--output", flags.paths,
-          "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it; .poly, "
-          ".smesh or .neigh with that file, too), .vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; of "
-          "a quadtree .csv, .vtu or .svg; may "
-          "be given several times")
+          Concat(
+              "Where to write the mesh: ",
+              io::ListOfFormats([](const io::Format& f) { return f.write_mesh && f.IsMainFile(); },
+                                "or", true),
+              "; of a quadtree ",
+              io::ListOfFormats([](const io::Format& f) { return f.write_leaves != nullptr; }),
+              "; may be given several times"))
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
   command
       .add_option("--order", flags.order,
-                  "Order of the elements in .node, .msh and .vtu; 2: with a node in the middle of "
-                  "each edge (default: 1)")
+                  Concat("Order of the elements in ", io::ListOfFormats(HasSecondOrder, "and"),
+                         "; 2: with a node in the middle of each edge (default: 1)"))
       ->type_name("1|2")
       ->check(CLI::Range(1, 2));
   command.add_flag("--zero-based", flags.from_zero,
@@ -148,38 +139,31 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
 
 absl::Status CheckOutputs(const OutputFlags& flags) {
   for (const std::string& path : flags.paths) {
-    const std::string extension = ExtensionOf(path);
-    if (extension == ".mesh" && flags.order == 2) {
+    if (auto status = io::CheckMeshOutput(path); !status.ok()) return status;
+    const io::Format& format = *io::FindFormat(path);
+    const bool has_elements = format.write_mesh != nullptr && !format.Is(io::kPicture);
+    if (flags.order == 2 && has_elements && !format.Is(io::kSecondOrder)) {
       return absl::InvalidArgumentError(
-          text::Concat(path, ": --order 2 is for .node, .msh and .vtu"));
+          Concat(path, ": --order 2 is for ", io::ListOfFormats(HasSecondOrder, "and")));
     }
-    if (IsKnown(extension)) continue;
-    if (extension == ".png") {
-      return absl::UnimplementedError(text::Concat(
-          path, ": ", extension, " files as output are not supported yet in this version"));
-    }
-    return absl::InvalidArgumentError(text::Concat(
-        path,
-        ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg, of a "
-        "quadtree .csv, .vtu or .svg"));
   }
   return PictureOptions(flags, MeshOptions(), false).status();
 }
 
 absl::Status CheckNotInput(const OutputFlags& flags, const std::string& input) {
-  if (flags.same_name || !IsTriangles(ExtensionOf(input))) return absl::OkStatus();
+  if (flags.same_name || !IsMeshPart(input)) return absl::OkStatus();
   for (const std::string& path : flags.paths) {
     std::error_code error;  // of a path that cannot be made absolute: it is no input then
     const auto stem_of = [&](const std::string& file) {
       return std::filesystem::weakly_canonical(
           std::filesystem::absolute(io::StemOfMeshFiles(file), error), error);
     };
-    if (!IsTriangles(ExtensionOf(path)) || stem_of(path) != stem_of(input)) continue;
-    return absl::InvalidArgumentError(text::Concat(
+    if (!IsMeshPart(path) || stem_of(path) != stem_of(input)) continue;
+    return absl::InvalidArgumentError(Concat(
         path, ": files of this base name belong to the input ", input,
         ", and Triangle and TetGen would read what is written as a part of it; choose another "
         "name, as ",
-        io::StemOfMeshFiles(path), ".1", ExtensionOf(path), ", or give --same-name"));
+        io::StemOfMeshFiles(path), ".1", io::ExtensionOf(path), ", or give --same-name"));
   }
   return absl::OkStatus();
 }
@@ -187,19 +171,7 @@ absl::Status CheckNotInput(const OutputFlags& flags, const std::string& input) {
 absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags) {
   const bool is_quadtree = options.kind == MeshKind::kQuadtree;
   for (const std::string& path : flags.paths) {
-    const std::string extension = ExtensionOf(path);
-    if (is_quadtree && extension != ".csv" && extension != ".vtu" && extension != ".svg") {
-      return absl::InvalidArgumentError(
-          text::Concat(path, ": a quadtree is written as .csv, .vtu or .svg"));
-    }
-    if (extension == ".smesh" && options.dimension == 2) {
-      return absl::InvalidArgumentError(
-          text::Concat(path, ": a .smesh is of 3D; a 2D mesh takes .poly"));
-    }
-    if (!is_quadtree && extension == ".csv") {
-      return absl::InvalidArgumentError(
-          text::Concat(path, ": only the leaves of a quadtree are written as .csv"));
-    }
+    if (auto status = io::CheckMeshOutputOf(options, path); !status.ok()) return status;
   }
   if (!flags.clip.empty() && (is_quadtree || options.dimension == 2)) {
     return absl::InvalidArgumentError("--clip is for meshes of 3D");
@@ -209,7 +181,7 @@ absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags
   if (!fill.ok()) return fill.status();
   const absl::Status status = io::CheckFill(*fill, options);
   if (status.ok()) return status;
-  return absl::InvalidArgumentError(text::Concat("--fill: ", text::View(status.message())));
+  return absl::InvalidArgumentError(Concat("--fill: ", text::View(status.message())));
 }
 
 namespace {
@@ -217,19 +189,12 @@ namespace {
 absl::Status WriteLeaves(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags) {
   const absl::StatusOr<io::LeafList> list = io::LeavesOf(mesh, options);
   if (!list.ok()) return list.status();
+  const absl::StatusOr<io::SvgOptions> picture = PictureOptions(flags, options, false);
+  if (!picture.ok()) return picture.status();
+  io::MeshOutput output;
+  output.picture = *picture;
   for (const std::string& path : flags.paths) {
-    const std::string extension = ExtensionOf(path);
-    absl::Status status;
-    if (extension == ".csv") {
-      status = io::WriteLeafCsv(*list, path);
-    } else if (extension == ".vtu") {
-      status = io::WriteLeafVtu(*list, path);
-    } else {
-      absl::StatusOr<io::SvgOptions> svg = PictureOptions(flags, options, false);
-      if (!svg.ok()) return svg.status();
-      status = io::WriteLeafSvg(*list, *svg, path);
-    }
-    if (!status.ok()) return status;
+    if (auto status = io::WriteLeafFile(*list, output, path); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -246,33 +211,21 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   const io::IndexedMesh first_order =
       flags.order == 2 ? *indexed : io::IndexedMesh();  // for pictures
   if (flags.order == 2) io::AddMidpoints(*indexed);
+  io::MeshOutput output;
+  output.shown = flags.order == 2 ? &first_order : &*indexed;
+  const absl::StatusOr<io::SvgOptions> picture = PictureOptions(flags, options, !highlight.empty());
+  if (!picture.ok()) return picture.status();
+  output.picture = *picture;
+  if (!highlight.empty()) output.picture.highlight = io::FindSimplices(*output.shown, highlight);
+  output.files.from_zero = flags.from_zero;
+  output.files.neighbours = flags.neighbours;
+  output.files.voronoi = flags.voronoi;
+  output.files.is_part = labels.is_part;
+  output.files.rho = options.quality;
+  output.files.min_dihedral = options.min_dihedral;
+  output.files.holes = labels.holes;
   for (const std::string& path : flags.paths) {
-    const std::string extension = ExtensionOf(path);
-    absl::Status status;
-    if (extension == ".vtu") {
-      status = io::WriteVtu(*indexed, options.quality, path, options.min_dihedral);
-    } else if (extension == ".msh") {
-      status = io::WriteMsh(*indexed, path);
-    } else if (extension == ".mesh") {
-      status = io::WriteMedit(*indexed, path);
-    } else if (extension == ".svg") {
-      absl::StatusOr<io::SvgOptions> svg = PictureOptions(flags, options, !highlight.empty());
-      if (!svg.ok()) return svg.status();
-      const io::IndexedMesh& shown = flags.order == 2 ? first_order : *indexed;
-      if (!highlight.empty()) svg->highlight = io::FindSimplices(shown, highlight);
-      status = io::WriteSvg(shown, *svg, path);
-    } else {
-      io::MeshFileOptions files;
-      files.from_zero = flags.from_zero;
-      files.neighbours = flags.neighbours;
-      files.voronoi = flags.voronoi;
-      files.is_part = labels.is_part;
-      files.rho = options.quality;
-      files.min_dihedral = options.min_dihedral;
-      files.holes = labels.holes;
-      status = io::WriteMeshFiles(*indexed, path, files);
-    }
-    if (!status.ok()) return status;
+    if (auto status = io::WriteMeshFile(*indexed, output, path); !status.ok()) return status;
   }
   return absl::OkStatus();
 }

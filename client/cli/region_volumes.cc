@@ -4,9 +4,10 @@
 #include <array>
 #include <vector>
 
-#include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
+#include "core/io/elements/size_limits.h"
 #include "core/mesh_data/chambers.h"
+#include "core/transfer/simplex.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -59,9 +60,9 @@ absl::StatusOr<Mesh> BuildWithinVolumes(const std::function<absl::StatusOr<Mesh>
         std::copy_n(&mesh->vertices.coordinates[3 * row], 3, corners[k].begin());
       }
       if (transfer::Measure<3>(corners) <= limit) continue;
-      const InscribedBall ball = InscribedBallOf(corners);
+      const io::InscribedBall ball = io::InscribedBallOf(corners);
       input.features.push_back(Feature::Size(
-          ++next_id, ball.centre, {SizeShape::kDisc, TargetOfVolume(limit), ball.radius, {}}));
+          ++next_id, ball.centre, {SizeShape::kDisc, io::TargetOfVolume(limit), ball.radius, {}}));
       ++added;
     }
     if (added == 0) return mesh;

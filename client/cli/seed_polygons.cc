@@ -6,8 +6,8 @@
 
 #include "client/cleaning/seed_faces.h"
 #include "client/cli/input.h"
-#include "client/cli/sizes_of_limits.h"
 #include "core/base/text.h"
+#include "core/io/elements/size_limits.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -65,7 +65,7 @@ absl::Status AddSeedPolygons(Input& input) {
       if (i < input.holes.size()) input.hole_polygons.push_back(next_id);
       lines->emplace(next_id, where);
       if (seeds[i].row->more.size() > 1 && seeds[i].row->more[1] > 0) {
-        limits.push_back({faces[i].rings, TargetOfArea(seeds[i].row->more[1]), where});
+        limits.push_back({faces[i].rings, io::TargetOfArea(seeds[i].row->more[1]), where});
       }
     }
   }

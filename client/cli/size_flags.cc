@@ -7,7 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/io/common/text_reader.h"
-#include "core/io/sizes/size_fields.h"
+#include "core/io/formats/mesh_input.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -28,7 +28,7 @@ class Sizes {
 
   absl::Status AddFile(const std::string& path) {
     absl::StatusOr<std::vector<Feature>> read =
-        io::ReadSizes(path, input_.features, input_.options, next_);
+        io::ReadSizes(path, {input_.features, input_.options, next_});
     if (!read.ok()) {
       return absl::Status(read.status().code(),
                           Concat("--size: ", text::View(read.status().message())));
@@ -167,14 +167,14 @@ class Sizes {
 }  // namespace
 
 void AddSizeFlags(CLI::App& command, SizeFlags& flags) {
-  const auto add = [&](const char* name, std::vector<std::string>& values, const char* what,
+  const auto add = [&](const char* name, std::vector<std::string>& values, const std::string& what,
                        const char* type) {
     command.add_option(name, values, what)->type_name(type)->take_all()->allow_extra_args(false);
   };
   add("--size", flags.files,
-      "Target lengths from a raster (.asc of ESRI; .npy of numpy, which covers the box), a view of "
-      "Gmsh (.pos), or an .mtr of TetGen (of the input's points, or with .node and .ele of its "
-      "own)",
+      Concat("Target lengths from ",
+             io::ListOfFormats([](const io::Format& f) { return f.read_sizes != nullptr; }, "or",
+                               true)),
       "FILE");
   add("--size-of", flags.of,
       "A target length along points and segments, in 2D polygons, by ids, or all", "IDS=H");

@@ -14,14 +14,14 @@
 #include "client/verify/owners.h"
 #include "client/verify/verify.h"
 #include "client/verify/verify_quadtree.h"
-#include "core/io/common/extension.h"
-#include "core/io/elements/element_mesh.h"
-#include "core/io/meshes/mesh_files.h"
-#include "core/io/quadtrees/leaf_list.h"
+#include "core/base/text.h"
+#include "core/io/formats/mesh_input.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {
 namespace {
+
+using text::Concat;
 
 struct VerifyCommand {
   std::string mesh;
@@ -125,7 +125,7 @@ int RunQuadtree(const VerifyCommand& command) {
           "%s: %s has the leaves of a quadtree, and simplices have that", flag, command.mesh)));
     }
   }
-  const absl::StatusOr<io::LeafList> list = io::ReadLeafCsv(command.mesh);
+  const absl::StatusOr<io::LeafList> list = io::ReadLeaves(command.mesh);
   if (!list.ok()) return ReportError(list.status());
   Input input;
   if (!command.input.empty()) {
@@ -176,7 +176,7 @@ absl::StatusOr<JudgedMesh> ReadJudgedMesh(const VerifyCommand& command) {
 }
 
 int Run(const VerifyCommand& command) {
-  if (io::ExtensionOf(command.mesh) == ".csv") return RunQuadtree(command);
+  if (io::IsLeafFile(command.mesh)) return RunQuadtree(command);
   if (auto status = CheckRhoFlag(command.rho); !status.ok()) return ReportError(status);
   if (auto status = CheckMinDihedralFlag(command.min_dihedral); !status.ok()) {
     return ReportError(status);
@@ -219,24 +219,26 @@ int Run(const VerifyCommand& command) {
 
 void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
   auto command = std::make_shared<VerifyCommand>();
+  const auto is_of_elements = [](const io::Format& f) { return f.read_elements != nullptr; };
   CLI::App* const sub =
       AddCommand(app, slot, "verify",
                  "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
                  [command] { return Run(*command); });
   sub->add_option(
          "MESH", command->mesh,
-         "A mesh as .node, .ele and .edge, in 3D with .face; .msh, .mesh or .vtu; or the leaves of "
-         "a quadtree as .csv")
+         Concat("A mesh as .node, .ele and .edge, in 3D with .face; ",
+                io::ListOfFormats(is_of_elements), "; or the leaves of a quadtree as ",
+                io::ListOfFormats([](const io::Format& f) { return f.read_leaves != nullptr; })))
       ->required();
   sub->add_flag("--part", command->part,
                 "The mesh does not fill a box (default: what its comments say)");
   sub->add_flag(
       "--foreign", command->foreign,
-      "The mesh is another mesher's: it must be a mesh, and good enough if --rho is given "
-      "(default: if it records no hash, and of .msh, .mesh and .vtu)");
+      Concat("The mesh is another mesher's: it must be a mesh, and good enough if --rho is given "
+             "(default: if it records no hash, and of ",
+             io::ListOfFormats(is_of_elements, "and"), ")"));
   CLI::Option* const input =
-      sub->add_option("--input", command->input,
-                      std::string("What it was made of: ") + kSpaceInputKinds)
+      sub->add_option("--input", command->input, "What it was made of: " + io::GeometryFormats())
           ->type_name("INPUT");
   sub->add_flag("--lfs", command->lfs,
                 "Tell how the distance of each vertex to its nearest neighbour follows the local "

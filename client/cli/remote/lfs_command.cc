@@ -107,7 +107,7 @@ void RegisterLfsCommand(CLI::App& app, CommandSlot& slot) {
       "features",
       [command] { return IsMeshFile(command->of) ? OfInput(*command) : OfQuadtree(*command); });
   sub->add_option("WHAT", command->of,
-                  std::string("An input file, which needs no server: ") + kSpaceInputKinds +
+                  "An input file, which needs no server: " + io::GeometryFormats() +
                       "; or the id of a quadtree, whose leaves bound it from both sides")
       ->required();
   sub->add_option("POSITION", command->positions, "X,Y or X,Y,Z; any number of them")->required();

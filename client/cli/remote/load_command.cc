@@ -108,7 +108,7 @@ void RegisterLoadCommand(CLI::App& app, CommandSlot& slot) {
                                    "Add all features of a file to a server's mesh, as one revision",
                                    [command] { return Run(*command); });
   sub->add_option("MESH", command->id, "Its id")->required();
-  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
+  sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   sub->add_flag("--create", command->create,
                 "Create the mesh, with the input's bounds and the usual quality, unless it exists");
   sub->add_option("--request-id", command->request_id,

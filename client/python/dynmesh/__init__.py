@@ -16,6 +16,7 @@ from __future__ import annotations
 from dynmesh import _core
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._fields import Fields
+from dynmesh._files import FileInput, read_input
 from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
@@ -51,6 +52,7 @@ __all__ = [
     "DynmeshError",
     "FailedPrecondition",
     "Fields",
+    "FileInput",
     "InvalidArgument",
     "Label",
     "LimitExceeded",
@@ -68,4 +70,5 @@ __all__ = [
     "VersionMismatch",
     "connect",
     "open",
+    "read_input",
 ]

@@ -56,4 +56,5 @@ PYBIND11_MODULE(_core, module) {
   dynmesh::python::BindMesh(module);
   dynmesh::python::BindTransfer(module);
   dynmesh::python::BindClient(module);
+  dynmesh::python::BindFiles(module);
 }

@@ -33,14 +33,34 @@ struct FileInput {
   MeshOptions options;
   std::vector<std::array<double, 3>> holes;  // a place in each part that is to be left out
   std::map<FeatureId, std::string> places;   // "file:line" of each feature, for messages
+  std::vector<std::string> warnings;         // content that was left out
+};
+
+// What is made of a file's content.
+struct InputChoices {
+  bool merge_coplanar = false;  // 3D: faces in one plane that have one marker are joined
+  bool polygons = false;        // rings of a map are polygons, not segments
+  // The file is a mesh to be refined (.node with its .ele, .msh, .mesh, .vtu): all its vertices are
+  // points, and largest areas or volumes beside it are sizes. In 3D faces are joined, too.
+  bool refine = false;
 };
 
 // Reads the file at `path` by its extension: .node, .poly, .smesh (Triangle, TetGen), .off, .stl,
-// .obj, .ply, .msh, .mesh, .vtu (curves, surfaces and borders of a mesh), .dynmesh (an edit script:
-// the features after its last line). If `merge_coplanar`, faces of 3D input in one plane are
-// joined. Errors: INVALID_ARGUMENT as "file:line: what is wrong", also for another extension;
-// NOT_FOUND and the like if the file cannot be read. O(n lg n) for n lines.
-absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar = false);
+// .obj, .ply, .msh, .mesh, .vtu (curves, surfaces and borders of a mesh), .geojson, .topojson and
+// .json (maps), .dynmesh (an edit script: the features after its last line). `choices` are as
+// above. Errors: INVALID_ARGUMENT as "file:line: what is wrong", also for another extension;
+// UNIMPLEMENTED for those of other programs' geometry; NOT_FOUND and the like if the file cannot be
+// read. O(n lg n) for n lines.
+absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices& choices = {});
+// The same with `merge_coplanar` as the only choice, for the file at `path`.
+absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar);
+
+// Reads target lengths for `input` from the file at `path`, by its extension: .asc (a raster of
+// ESRI, 2D), .npy (an array of numpy, which covers the box), .pos (a view of Gmsh), .mtr (TetGen's,
+// of the input's points, or with .node and .ele of its own). The result are sizing features in the
+// box of `input.options`, with ids after the greatest one of `input.features`. Errors as above.
+// O(file + features).
+absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path, const FileInput& input);
 
 // What closed outlines (in 3D surfaces) enclose of the whole `mesh`, without the parts that contain
 // one of `holes` and without holes of polygons. Rows keep their order; the hash is that of the
@@ -49,14 +69,18 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh,
                                 std::span<const std::array<double, 3>> holes = {});
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in
-// 3D, .face beside it), .vtu, .msh (Gmsh 4.1) or .mesh (Medit). Names of labels become groups.
-// Either the files are complete, or the former ones stay. INVALID_ARGUMENT for another extension,
-// or a mesh with unknown ids; UNAVAILABLE if a file cannot be written. O(n lg n).
+// 3D, .face beside it; .poly, .smesh or .neigh with that file, too), .vtu, .msh (Gmsh 4.1), .mesh
+// (Medit) or .svg (a picture: angles of triangles, of a 3D mesh those in a cut); a quadtree to
+// .csv, .vtu or .svg. Names of labels become groups. Either the files are complete, or the former
+// ones stay. INVALID_ARGUMENT for another extension, or a mesh with unknown ids; UNAVAILABLE if a
+// file cannot be written. O(n lg n).
 absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path);
 
-// Reads the mesh whose .node, .ele, .edge or .face is at `path`, as WriteMesh writes it: the same
-// mesh, at revision 0. INVALID_ARGUMENT as "file:line: what is wrong"; NOT_FOUND without a .node or
-// .ele; DATA_LOSS if the files record another hash than that of their rows. O(n lg n).
+// Reads the mesh at `path`, by its extension. Of a .node, .ele, .edge or .face, and of the leaves
+// of a quadtree (.csv), as WriteMesh writes them, it is the same mesh, at revision 0. Of a .vtu,
+// .msh or .mesh, of any program, owners are markers, or 1 on the border. INVALID_ARGUMENT as
+// "file:line: what is wrong", also for another extension; NOT_FOUND without the file, or a .node
+// without its .ele; DATA_LOSS if files record another hash than that of their rows. O(n lg n).
 absl::StatusOr<Mesh> ReadMesh(const std::string& path);
 
 }  // namespace dynmesh

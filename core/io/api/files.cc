@@ -1,109 +1,62 @@
-// The public functions on files, over the readers and writers.
+// The public functions on files, over the table of formats.
 #include "dynmesh/files.h"
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/coplanar/merge_coplanar.h"
-#include "core/io/common/extension.h"
-#include "core/io/elements/element_mesh.h"
+#include "core/io/common/feature_labels.h"
+#include "core/io/formats/geometry.h"
+#include "core/io/formats/mesh_input.h"
+#include "core/io/formats/mesh_output.h"
 #include "core/io/meshes/indexed_mesh.h"
-#include "core/io/meshes/medit_writer.h"
-#include "core/io/meshes/mesh_files.h"
-#include "core/io/meshes/msh_writer.h"
-#include "core/io/meshes/vtu_writer.h"
-#include "core/io/plane/planar_input.h"
-#include "core/io/script/edit_script.h"
-#include "core/io/space/space_input.h"
-#include "core/io/space/surface_files.h"
 #include "core/mesh_data/chambers.h"
-#include "core/mesh_data/feature_set.h"
 #include "core/mesh_data/region_filter.h"
-#include "dynmesh/error.h"
 
 namespace dynmesh {
 namespace {
 
-using text::Concat;
-
-absl::StatusOr<io::FileFeatures> ReadFeatures(const std::string& path, int* dimension) {
-  const std::string extension = io::ExtensionOf(path);
-  if (extension == ".node" || extension == ".poly") {
-    absl::StatusOr<io::FileFeatures> planar =
-        extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
-    if (!absl::IsUnimplemented(planar.status())) return planar;  // of 3D it says so
+// A quadtree's mesh: a vertex at the centre of each leaf.
+Mesh MeshOfLeaves(const io::LeafList& list) {
+  io::IndexedMesh mesh;
+  mesh.dimension = list.dimension;
+  for (const io::LeafList::Leaf& leaf : list.leaves) {
+    const auto& [x, y, z] = leaf.centre;
+    mesh.vertices.push_back({x, y, list.dimension, kNoFeature, z});
   }
-  if (io::IsElementFile(path)) {
-    const absl::StatusOr<io::ElementMesh> mesh = io::ReadElements(path);
-    if (!mesh.ok()) return mesh.status();
-    *dimension = mesh->dimension;
-    return io::FeaturesOf(*mesh, io::ElementVertices::kOfConstraints);
-  }
-  *dimension = 3;
-  if (extension == ".node") return io::ReadSpaceNodeFile(path);
-  if (extension == ".poly") return io::ReadSpacePolyFile(path);
-  if (extension == ".smesh") return io::ReadSmeshFile(path);
-  if (extension == ".off") return io::ReadOffFile(path);
-  if (extension == ".stl") return io::ReadStlFile(path);
-  if (extension == ".obj") return io::ReadObjFile(path);
-  if (extension == ".ply") return io::ReadPlyFile(path);
-  return absl::InvalidArgumentError(
-      Concat(path,
-             ": the extension must be .node, .poly, .smesh, .off, .stl, .obj, .ply, .msh, "
-             ".mesh, .vtu or .dynmesh"));
-}
-
-absl::StatusOr<FileInput> ReadScript(const std::string& path) {
-  const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
-  if (!script.ok()) return script.status();
-  FileInput input;
-  input.options = script->Options();
-  mesh_data::FeatureSet features;
-  for (std::size_t b = 0; b < script->batches.size(); ++b) {
-    const EditBatch& edits = script->batches[b].edits;
-    for (std::size_t e = 0; e < edits.size(); ++e) {
-      if (auto s = features.Apply({edits[e]}); !s.ok()) {
-        return absl::InvalidArgumentError(
-            Concat(script->Where(b, e), ": ", text::View(s.message())));
-      }
-      input.places[edits[e].feature.id] = script->Where(b, e);
-    }
-  }
-  input.features = features.Sorted();
-  io::SetLabels(script->labels, input.features);
-  return input;
+  return io::ToMesh(mesh);
 }
 
 }  // namespace
 
-absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar) {
-  if (io::ExtensionOf(path) == ".dynmesh") return ReadScript(path);
-  int dimension = 2;
-  absl::StatusOr<io::FileFeatures> file = ReadFeatures(path, &dimension);
-  if (!file.ok()) return file.status();
-  FileInput input;
-  for (const Feature& f : file->features) input.places[f.id] = file->Where(f.id);
-  input.features = std::move(file->features);
-  input.options.dimension = dimension;
-  input.options.quality = DefaultQuality(dimension);
-  input.options.min_dihedral = DefaultMinDihedral(dimension);
-  input.options.box = io::BoundingBox(input.features, dimension);
-  for (const io::SeedRow& hole : file->holes) input.holes.push_back(hole.position);
-  if (merge_coplanar && dimension == 3) {
-    absl::StatusOr<std::vector<Feature>> merged = coplanar::MergeCoplanar(input.features);
-    if (!merged.ok()) {
-      const std::optional<ErrorDetail> detail = GetErrorDetail(merged.status());
-      const std::string where = detail ? input.places[detail->features[0]] : path;
-      return absl::Status(merged.status().code(),
-                          Concat(where, ": ", text::View(merged.status().message())));
-    }
-    input.features = *std::move(merged);
+absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices& choices) {
+  io::GeometryOptions reading;
+  reading.polygons = choices.polygons;
+  reading.refine = choices.refine;
+  absl::StatusOr<io::Geometry> geometry = io::ReadGeometry(path, reading);
+  if (!geometry.ok()) return geometry.status();
+  if (geometry->options.dimension == 3 && (choices.merge_coplanar || choices.refine)) {
+    if (auto s = io::JoinFaces(0, nullptr, path, *geometry); !s.ok()) return s;
   }
-  io::SetLabels(file->labels, input.features);
+  FileInput input;
+  input.features = std::move(geometry->features);
+  input.options = geometry->options;
+  for (const io::SeedRow& hole : geometry->holes) input.holes.push_back(hole.position);
+  for (const Feature& f : input.features) input.places[f.id] = geometry->where(f.id);
+  input.warnings = std::move(geometry->warnings);
+  io::SetLabels(*geometry->labels, input.features);
   return input;
+}
+
+absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar) {
+  return ReadInput(path, InputChoices{merge_coplanar, false, false});
+}
+
+absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path, const FileInput& input) {
+  FeatureId last = 0;
+  for (const Feature& f : input.features) last = std::max(last, f.id);
+  return io::ReadSizes(path, {input.features, input.options, last + 1});
 }
 
 absl::StatusOr<Mesh> KeepInside(const Mesh& mesh, std::span<const std::array<double, 3>> holes) {
@@ -124,35 +77,37 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh, std::span<const std::array<dou
 }
 
 absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path) {
+  if (auto s = io::CheckMeshOutputOf(options, path); !s.ok()) return s;
+  io::MeshOutput output;
+  output.files.rho = output.picture.rho = options.quality;
+  output.files.min_dihedral = output.picture.min_dihedral = options.min_dihedral;
+  output.picture.crop = options.box;
+  if (options.kind == MeshKind::kQuadtree) {
+    output.picture.fill = io::SvgOptions::Fill::kSize;
+    const absl::StatusOr<io::LeafList> leaves = io::LeavesOf(mesh, options);
+    return leaves.ok() ? io::WriteLeafFile(*leaves, output, path) : leaves.status();
+  }
   absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return indexed.status();
   if (!mesh.labels.empty()) {
     io::LabelRows(std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh.labels)),
                   false, *indexed);
   }
-  const std::string extension = io::ExtensionOf(path);
-  if (extension == ".vtu") {
-    return io::WriteVtu(*indexed, options.quality, path, options.min_dihedral);
-  }
-  if (extension == ".msh") return io::WriteMsh(*indexed, path);
-  if (extension == ".mesh") return io::WriteMedit(*indexed, path);
-  if (extension == ".node") {
-    io::MeshFileOptions files;
-    files.rho = options.quality;
-    files.min_dihedral = options.min_dihedral;
-    return io::WriteMeshFiles(*indexed, path, files);
-  }
-  return absl::InvalidArgumentError(
-      Concat(path, ": the extension must be .node, .vtu, .msh or .mesh"));
+  return io::WriteMeshFile(*indexed, output, path);
 }
 
 absl::StatusOr<Mesh> ReadMesh(const std::string& path) {
-  const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
+  if (io::IsLeafFile(path)) {
+    const absl::StatusOr<io::LeafList> leaves = io::ReadLeaves(path);
+    return leaves.ok() ? MeshOfLeaves(*leaves) : absl::StatusOr<Mesh>(leaves.status());
+  }
+  const absl::StatusOr<io::MeshFiles> files = io::ReadAnyMesh(path);
   if (!files.ok()) return files.status();
   Mesh mesh = io::ToMesh(files->mesh);
   if (files->recorded_hash && !(*files->recorded_hash == mesh.hash)) {
-    return absl::DataLossError(Concat(path, ": the file records ", files->recorded_hash->ToHex(),
-                                      ", its rows have ", mesh.hash.ToHex()));
+    return absl::DataLossError(text::Concat(path, ": the file records ",
+                                            files->recorded_hash->ToHex(), ", its rows have ",
+                                            mesh.hash.ToHex()));
   }
   return mesh;
 }

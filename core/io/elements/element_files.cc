@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/base/text.h"
-#include "core/io/common/extension.h"
 #include "core/io/common/node_input.h"
 #include "core/io/common/triangle_sections.h"
 #include "core/io/elements/element_mesh.h"
@@ -202,22 +201,19 @@ absl::StatusOr<ElementMesh> ReadTriangleFiles(const std::string& path, const Ope
   return mesh;
 }
 
-bool IsElementFile(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  return extension == ".msh" || extension == ".mesh" || extension == ".vtu";
+absl::StatusOr<ElementMesh> ReadMshFile(const std::string& path) {
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  return reader.ok() ? ParseMsh(*std::move(reader)) : reader.status();
 }
 
-absl::StatusOr<ElementMesh> ReadElements(const std::string& path) {
-  if (!IsElementFile(path)) return ReadTriangleFiles(path, &TextReader::Open);
-  const std::string extension = ExtensionOf(path);
-  if (extension == ".vtu") {
-    const absl::StatusOr<std::string> text = ReadWholeFile(path);
-    if (!text.ok()) return text.status();
-    return ParseVtu(path, *text);
-  }
+absl::StatusOr<ElementMesh> ReadMeditFile(const std::string& path) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  return extension == ".msh" ? ParseMsh(*std::move(reader)) : ParseMedit(*std::move(reader));
+  return reader.ok() ? ParseMedit(*std::move(reader)) : reader.status();
+}
+
+absl::StatusOr<ElementMesh> ReadVtuFile(const std::string& path) {
+  const absl::StatusOr<std::string> text = ReadWholeFile(path);
+  return text.ok() ? ParseVtu(path, *text) : text.status();
 }
 
 }  // namespace dynmesh::io

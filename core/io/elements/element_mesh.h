@@ -60,10 +60,10 @@ struct ElementMesh {
   }
 };
 
-// Reads a file by its extension: .msh, .mesh, .vtu; .node, .ele and the others of a mesh.
-absl::StatusOr<ElementMesh> ReadElements(const std::string& path);
-// Has the path an extension that ReadElements takes, and no other reader?
-bool IsElementFile(const std::string& path);
+// By the file's format (formats/formats.h chooses by its extension).
+absl::StatusOr<ElementMesh> ReadMshFile(const std::string& path);
+absl::StatusOr<ElementMesh> ReadMeditFile(const std::string& path);
+absl::StatusOr<ElementMesh> ReadVtuFile(const std::string& path);
 
 // From texts in memory.
 absl::StatusOr<ElementMesh> ParseMsh(TextReader reader);
@@ -87,6 +87,9 @@ enum class ElementVertices : std::uint8_t {
 // marker but 0; a hole beyond each part of the border, which may lie outside of everything.
 // Vertices are numbered from 1 in file order, without those left out; -0 is 0. O(n lg n) expected.
 FileFeatures FeaturesOf(const ElementMesh& mesh, ElementVertices vertices);
+// Adds the limits of simplices to the features of all vertices, as sizes: in 2D polygons, in 3D the
+// inscribed balls. Ids follow the others'. O(n).
+void AddLimits(const ElementMesh& mesh, FileFeatures& file);
 
 // The mesh to be measured and judged. Lines and triangles of the border are owned by their marker,
 // or 1. If most simplices are turned over, all are turned.

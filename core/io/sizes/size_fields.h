@@ -61,11 +61,18 @@ absl::StatusOr<std::vector<Feature>> SizesOf(const SizeView& view, const Box& wi
 // The lengths of an `.mtr`: one for each row.
 absl::StatusOr<std::vector<double>> ParseMtr(TextReader reader);
 
-// Reads a file by its extension. `features`: the input, whose points an `.mtr` without a mesh of
-// its own (.ele of the same name) is about; `options`: dimension and box.
-absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path,
-                                               const std::vector<Feature>& features,
-                                               const MeshOptions& options, FeatureId first);
+// What a file of target lengths is for.
+struct SizedInput {
+  const std::vector<Feature>& features;  // an `.mtr` without a mesh of its own is about its points
+  const MeshOptions& options;            // dimension and box
+  FeatureId first = 1;                   // id of the first size
+};
+// Files by their format (formats/formats.h chooses by the extension). An `.mtr` has a mesh of its
+// own if there is an .ele of the same name.
+absl::StatusOr<std::vector<Feature>> ReadAscFile(const std::string& path, const SizedInput& input);
+absl::StatusOr<std::vector<Feature>> ReadNpyFile(const std::string& path, const SizedInput& input);
+absl::StatusOr<std::vector<Feature>> ReadPosFile(const std::string& path, const SizedInput& input);
+absl::StatusOr<std::vector<Feature>> ReadMtrFile(const std::string& path, const SizedInput& input);
 
 }  // namespace dynmesh::io
 

@@ -276,4 +276,21 @@ absl::StatusOr<std::vector<Feature>> SizesOf(const SizeRaster& raster, const Box
   return RasterSizes(raster, within, first, dimension).Run();
 }
 
+absl::StatusOr<std::vector<Feature>> ReadAscFile(const std::string& path, const SizedInput& input) {
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  const absl::StatusOr<SizeRaster> raster = ParseEsriAscii(*std::move(reader));
+  if (!raster.ok()) return raster.status();
+  return SizesOf(*raster, input.options.box, input.first, input.options.dimension);
+}
+
+absl::StatusOr<std::vector<Feature>> ReadNpyFile(const std::string& path, const SizedInput& input) {
+  const absl::StatusOr<std::string> bytes = ReadWholeFile(path);
+  if (!bytes.ok()) return bytes.status();
+  const absl::StatusOr<SizeRaster> raster =
+      ParseNpy(path, *bytes, input.options.box, input.options.dimension);
+  if (!raster.ok()) return raster.status();
+  return SizesOf(*raster, input.options.box, input.first, input.options.dimension);
+}
+
 }  // namespace dynmesh::io

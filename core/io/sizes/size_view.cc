@@ -205,37 +205,6 @@ absl::Status CheckCount(const std::string& path, std::size_t sizes, std::size_t 
       Concat(path, ":1: ", sizes, " lengths for ", points, " points"));
 }
 
-absl::StatusOr<std::vector<Feature>> ReadMtr(const std::string& path,
-                                             const std::vector<Feature>& features,
-                                             const MeshOptions& options, FeatureId first) {
-  absl::StatusOr<TextReader> reader = TextReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  const absl::StatusOr<std::vector<double>> sizes = ParseMtr(*std::move(reader));
-  if (!sizes.ok()) return sizes.status();
-  absl::StatusOr<TextReader> elements = TextReader::Open(WithExtension(path, ".ele"));
-  if (elements.ok()) {
-    absl::StatusOr<TextReader> nodes = TextReader::Open(WithExtension(path, ".node"));
-    if (!nodes.ok()) return nodes.status();
-    const absl::StatusOr<NodeSection> section = ReadNodeSection(*nodes, options.dimension);
-    if (!section.ok()) return section.status();
-    if (auto s = CheckCount(path, sizes->size(), section->positions.size()); !s.ok()) return s;
-    const absl::StatusOr<SizeView> view =
-        options.dimension == 2 ? BackgroundOf<2>(path, *section, *sizes, *std::move(elements))
-                               : BackgroundOf<3>(path, *section, *sizes, *std::move(elements));
-    if (!view.ok()) return view.status();
-    return SizesOf(*view, options.box, first, options.dimension);
-  }
-  SizeView view;
-  view.file = path;
-  for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
-    const std::size_t i = view.elements.size();
-    view.elements.push_back({{f.position}, {i < sizes->size() ? (*sizes)[i] : 0}});
-  }
-  if (auto s = CheckCount(path, sizes->size(), view.elements.size()); !s.ok()) return s;
-  return SizesOf(view, options.box, first, options.dimension);
-}
-
 }  // namespace
 
 absl::StatusOr<SizeView> ParsePos(const std::string& name, const std::string& text) {
@@ -301,33 +270,42 @@ absl::StatusOr<std::vector<double>> ParseMtr(TextReader reader) {
   return sizes;
 }
 
-absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path,
-                                               const std::vector<Feature>& features,
-                                               const MeshOptions& options, FeatureId first) {
-  const std::string extension = ExtensionOf(path);
-  if (extension == ".mtr") return ReadMtr(path, features, options, first);
-  if (extension == ".asc") {
-    absl::StatusOr<TextReader> reader = TextReader::Open(path);
-    if (!reader.ok()) return reader.status();
-    const absl::StatusOr<SizeRaster> raster = ParseEsriAscii(*std::move(reader));
-    if (!raster.ok()) return raster.status();
-    return SizesOf(*raster, options.box, first, options.dimension);
+absl::StatusOr<std::vector<Feature>> ReadMtrFile(const std::string& path, const SizedInput& input) {
+  const MeshOptions& options = input.options;
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  const absl::StatusOr<std::vector<double>> sizes = ParseMtr(*std::move(reader));
+  if (!sizes.ok()) return sizes.status();
+  absl::StatusOr<TextReader> elements = TextReader::Open(WithExtension(path, ".ele"));
+  if (elements.ok()) {
+    absl::StatusOr<TextReader> nodes = TextReader::Open(WithExtension(path, ".node"));
+    if (!nodes.ok()) return nodes.status();
+    const absl::StatusOr<NodeSection> section = ReadNodeSection(*nodes, options.dimension);
+    if (!section.ok()) return section.status();
+    if (auto s = CheckCount(path, sizes->size(), section->positions.size()); !s.ok()) return s;
+    const absl::StatusOr<SizeView> view =
+        options.dimension == 2 ? BackgroundOf<2>(path, *section, *sizes, *std::move(elements))
+                               : BackgroundOf<3>(path, *section, *sizes, *std::move(elements));
+    if (!view.ok()) return view.status();
+    return SizesOf(*view, options.box, input.first, options.dimension);
   }
-  if (extension != ".npy" && extension != ".pos") {
-    return absl::InvalidArgumentError(Concat(
-        path, ": target lengths are read from .asc (ESRI), .npy (numpy), .pos (Gmsh) or .mtr"));
+  SizeView view;
+  view.file = path;
+  for (const Feature& f : input.features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    const std::size_t i = view.elements.size();
+    view.elements.push_back({{f.position}, {i < sizes->size() ? (*sizes)[i] : 0}});
   }
-  const absl::StatusOr<std::string> bytes = ReadWholeFile(path);
-  if (!bytes.ok()) return bytes.status();
-  if (extension == ".npy") {
-    const absl::StatusOr<SizeRaster> raster =
-        ParseNpy(path, *bytes, options.box, options.dimension);
-    if (!raster.ok()) return raster.status();
-    return SizesOf(*raster, options.box, first, options.dimension);
-  }
-  const absl::StatusOr<SizeView> view = ParsePos(path, *bytes);
+  if (auto s = CheckCount(path, sizes->size(), view.elements.size()); !s.ok()) return s;
+  return SizesOf(view, options.box, input.first, options.dimension);
+}
+
+absl::StatusOr<std::vector<Feature>> ReadPosFile(const std::string& path, const SizedInput& input) {
+  const absl::StatusOr<std::string> text = ReadWholeFile(path);
+  if (!text.ok()) return text.status();
+  const absl::StatusOr<SizeView> view = ParsePos(path, *text);
   if (!view.ok()) return view.status();
-  return SizesOf(*view, options.box, first, options.dimension);
+  return SizesOf(*view, input.options.box, input.first, input.options.dimension);
 }
 
 }  // namespace dynmesh::io

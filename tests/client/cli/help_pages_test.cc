@@ -2,11 +2,13 @@
 #include "client/cli/help_pages.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "core/io/formats/formats.h"
 #include "gtest/gtest.h"
 #include "tests/client/cli/command_line.h"
 
@@ -88,6 +90,33 @@ TEST_F(HelpPages, ManualAndCompletionHaveEveryCommand) {
   const std::string command = "cd '" + folder_.Path("") + "' && bash try.bash > tried.txt";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(folder_.Read("tried.txt"), "--inside\nreplay\n");
+}
+
+// A row that is added to the table is in the help.
+TEST_F(HelpPages, FormatsAreThoseOfTheTable) {
+  const std::string list = Run("help --formats").out, man = Run("help --man").out;
+  const std::string mesh = Run("mesh --help").out, import = Run("import --help").out;
+  const auto has = [](const std::string& text, const io::Format& f) {
+    const std::string extension(f.extension);
+    for (std::size_t at = 0; (at = text.find(extension, at)) != std::string::npos; ++at) {
+      const std::size_t end = at + extension.size();
+      if (end == text.size() || std::isalnum(static_cast<unsigned char>(text[end])) == 0)
+        return true;
+    }
+    return false;
+  };
+  EXPECT_EQ(Lines(list).size(), io::Formats().size() + 1);
+  for (const io::Format& f : io::Formats()) {
+    SCOPED_TRACE(f.extension);
+    EXPECT_NE(list.find("\n" + std::string(f.extension) + " "), std::string::npos);
+    EXPECT_TRUE(has(man, f));
+    const bool is_output = (f.write_mesh && f.IsMainFile()) || f.write_leaves;
+    // The help of `mesh` calls a script so: it may have any extension.
+    if (!f.Is(io::kScript)) {
+      EXPECT_TRUE(has(mesh, f) || !(f.read_geometry || f.read_sizes || is_output));
+    }
+    EXPECT_TRUE(has(import, f) || !(f.read_geometry || f.write_features));
+  }
 }
 
 TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {

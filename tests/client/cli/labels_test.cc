@@ -201,7 +201,9 @@ TEST_F(Labels, FacesOfDifferentMarkersAreNotJoined) {
   folder_.Write("f.smesh",
                 "6 3 0 0\n1 0 0 0\n2 4 0 0\n3 8 0 0\n4 0 4 0\n5 4 4 0\n6 8 4 0\n"
                 "4 1\n3 1 2 5 7\n3 1 5 4 7\n3 2 3 6 8\n3 2 6 5 8\n0\n0\n");
-  const auto input = LoadInput(folder_.Path("f.smesh"), {true, 0});
+  InputFlags flags;
+  flags.merge_coplanar = true;
+  const auto input = LoadInput(folder_.Path("f.smesh"), flags);
   ASSERT_TRUE(input.ok()) << input.status();
   std::map<std::int64_t, std::size_t> corners;
   for (const Feature& f : input->features) {

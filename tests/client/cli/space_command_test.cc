@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -299,22 +300,25 @@ TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
 
 TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.001\n3 0 1 2\n3 0 2 3\n");
-  const auto count = [&](const InputFlags& flags) {
+  const auto count = [&](std::optional<double> tolerance) {
+    InputFlags flags;
+    flags.merge_coplanar = tolerance.has_value();
+    flags.coplanar_tolerance = tolerance.value_or(0);
     const absl::StatusOr<Input> input = LoadInput(folder_.Path("m.off"), flags);
     EXPECT_TRUE(input.ok()) << input.status();
     return std::count_if(input->features.begin(), input->features.end(),
                          [](const Feature& f) { return f.kind == FeatureKind::kPolygon; });
   };
-  EXPECT_EQ(count({}), 2);
-  EXPECT_EQ(count({true, 0}), 2);
-  EXPECT_EQ(count({true, 0.01}), 2);  // no mesh would accept it
+  EXPECT_EQ(count(std::nullopt), 2);
+  EXPECT_EQ(count(0), 2);
+  EXPECT_EQ(count(0.01), 2);  // no mesh would accept it
   const Outcome warned = Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01");
   EXPECT_NE(warned.err.find("m.off: 1 part(s) within the tolerance"), std::string::npos)
       << warned.err;
   EXPECT_NE(warned.err.find("flat to 1e-9 of their extent"), std::string::npos);
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.000000001\n3 0 1 2\n3 0 2 3\n");
-  EXPECT_EQ(count({true, 0}), 2);
-  EXPECT_EQ(count({true, 0.01}), 1);
+  EXPECT_EQ(count(0), 2);
+  EXPECT_EQ(count(0.01), 1);
   EXPECT_EQ(Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01").err, "");
   EXPECT_NE(Run("verify --help").out.find("--merge-coplanar"), std::string::npos);
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
@@ -328,7 +332,9 @@ TEST_F(SpaceCommands, FacesOfAScriptAreMerged) {
   EXPECT_EQ(Run("mesh s.dynmesh").code, 0);
   ASSERT_EQ(Run("mesh s.dynmesh --merge-coplanar -o m.node").code, 0);
   EXPECT_EQ(Run("verify m.node --input s.dynmesh --merge-coplanar").code, 0);
-  const auto merged = LoadInput(folder_.Path("s.dynmesh"), {true, 0});
+  InputFlags flags;
+  flags.merge_coplanar = true;
+  const auto merged = LoadInput(folder_.Path("s.dynmesh"), flags);
   ASSERT_TRUE(merged.ok());
   EXPECT_EQ(merged->features.size(), 5U);
   EXPECT_TRUE(merged->where(5).ends_with("s.dynmesh:7"));

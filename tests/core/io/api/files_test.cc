@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <string>
 
+#include "core/io/formats/formats.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/slot_mesh.h"
 #include "gtest/gtest.h"
@@ -123,6 +126,145 @@ TEST(Files, ScriptsAreReadToTheirEnd) {
   const auto bad = ReadInput(folder.Write("b.dynmesh", "mesh box=0,0,4,4\nremove 2\n"));
   EXPECT_TRUE(std::string(bad.status().message()).starts_with(folder.Path("b.dynmesh") + ":2: "))
       << bad.status();
+}
+
+std::string Npy() {
+  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }";
+  header.resize(117, ' ');
+  std::string text = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n";
+  for (const double h : {0.25, 0.5}) text.append(reinterpret_cast<const char*>(&h), sizeof(h));
+  return text;
+}
+
+// Of each format that is read and not written as a mesh: a file, in 3D a surface.
+const std::map<std::string, std::string>& Examples() {
+  static const std::map<std::string, std::string> examples = {
+      {".node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n"},
+      {".poly", kFrame},
+      {".smesh", "3 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0\n3 1 2 3\n0\n0\n"},
+      {".off", kCube},
+      {".stl",
+       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+       "vertex 0 1 0\nendloop\nendfacet\nendsolid s\n"},
+      {".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {".ply",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+       "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+       "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+      {".geojson", R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[0,1],[0,0]]]})"},
+      {".topojson", R"({"type": "Topology", "objects": {"o": {"type": "LineString", "arcs": [0]}},)"
+                    R"( "arcs": [[[0,0],[1,0]]]})"},
+      {".json", R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[0,1],[0,0]]]})"},
+      {".dynmesh", "mesh box=0,0,4,4\nadd point 1 1 1\n"},
+      {".asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize .5\n.25 .5\n"},
+      {".npy", Npy()},
+      {".pos", "View \"h\" {\nSP(.5,.5,0){.25};\n};\n"},
+      {".mtr", "8 1\n.1\n.1\n.1\n.1\n.1\n.1\n.1\n.1\n"}};
+  return examples;
+}
+
+TEST(Files, EachFormatOfTheTableThatIsGeometryIsRead) {
+  const TempFolder folder;
+  for (const io::Format& f : io::Formats()) {
+    if (f.read_geometry == nullptr || f.write_mesh != nullptr) continue;
+    SCOPED_TRACE(f.extension);
+    const std::string extension(f.extension);
+    ASSERT_TRUE(Examples().contains(extension)) << "a row without an example";
+    const auto input = ReadInput(folder.Write("a" + extension, Examples().at(extension)));
+    ASSERT_TRUE(input.ok()) << input.status();
+    EXPECT_FALSE(input->features.empty());
+    EXPECT_TRUE(f.IsOf(input->options.dimension));
+    for (const Feature& feature : input->features) EXPECT_NE(input->places.at(feature.id), "");
+  }
+}
+
+TEST(Files, EachFormatOfTheTableThatHasSizesIsRead) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write("f.poly", kFrame));
+  ASSERT_TRUE(input.ok());
+  for (const io::Format& f : io::Formats()) {
+    if (f.read_sizes == nullptr) continue;
+    SCOPED_TRACE(f.extension);
+    const std::string extension(f.extension);
+    ASSERT_TRUE(Examples().contains(extension)) << "a row without an example";
+    const auto sizes = ReadSizes(folder.Write("a" + extension, Examples().at(extension)), *input);
+    ASSERT_TRUE(sizes.ok()) << sizes.status();
+    ASSERT_FALSE(sizes->empty());
+    EXPECT_EQ(sizes->front().id, input->features.back().id + 1);
+    EXPECT_EQ(sizes->front().kind, FeatureKind::kSize);
+    EXPECT_FALSE(ReadInput(folder.Path("a" + extension)).ok());
+  }
+}
+
+TEST(Files, EachFormatOfTheTableThatIsAMeshIsWrittenAndRead) {
+  const TempFolder folder;
+  for (const char* name : {"f.poly", "c.off"}) {
+    const auto input =
+        ReadInput(folder.Write(name, name[0] == 'f' ? kFrame : kCube), {.merge_coplanar = true});
+    ASSERT_TRUE(input.ok()) << input.status();
+    const int dimension = input->options.dimension;
+    const auto mesh = BuildMesh(input->features, input->options);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    for (const io::Format& f : io::Formats()) {
+      SCOPED_TRACE(f.extension);
+      const std::string stem = folder.Path("m" + std::to_string(dimension));
+      const std::string path = stem + std::string(f.extension);
+      const bool is_written = f.write_mesh != nullptr && f.IsOf(dimension);
+      EXPECT_EQ(WriteMesh(*mesh, input->options, path).ok(), is_written);
+      if (!is_written) continue;
+      EXPECT_TRUE(std::filesystem::exists(f.Is(io::kBesideNode) ? stem + ".node" : path));
+      if (f.read_mesh != nullptr) {
+        EXPECT_EQ(ReadMesh(path)->simplex_count(), mesh->simplex_count());
+      }
+      if (f.read_elements == nullptr) continue;
+      const auto border = ReadInput(path), all = ReadInput(path, {.refine = true});
+      ASSERT_TRUE(border.ok() && all.ok()) << border.status() << all.status();
+      EXPECT_FALSE(border->features.empty());
+      EXPECT_EQ(all->options.dimension, dimension);
+      EXPECT_TRUE(dimension == 3 || all->features.size() > mesh->vertices.size());
+    }
+  }
+}
+
+TEST(Files, EachFormatOfTheTableThatHasLeavesIsWrittenAndRead) {
+  const TempFolder folder;
+  auto input = ReadInput(folder.Write("f.poly", kFrame));
+  ASSERT_TRUE(input.ok());
+  input->options.kind = MeshKind::kQuadtree;
+  const auto tree = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(tree.ok()) << tree.status();
+  for (const io::Format& f : io::Formats()) {
+    SCOPED_TRACE(f.extension);
+    const std::string path = folder.Path("t" + std::string(f.extension));
+    EXPECT_EQ(WriteMesh(*tree, input->options, path).ok(), f.write_leaves != nullptr);
+    if (f.read_leaves == nullptr) continue;
+    EXPECT_EQ(ReadMesh(path)->hash, tree->hash);
+  }
+}
+
+TEST(Files, RingsOfAMapArePolygonsOnRequest) {
+  const TempFolder folder;
+  const std::string path = folder.Write("m.geojson", Examples().at(".geojson"));
+  const auto polygons = [&](const InputChoices& choices) {
+    return std::ranges::count(ReadInput(path, choices)->features, FeatureKind::kPolygon,
+                              &Feature::kind);
+  };
+  EXPECT_EQ(polygons({}), 0);
+  EXPECT_EQ(polygons({.polygons = true}), 1);
+}
+
+TEST(Files, FacesOfDifferentMarkersAreNotJoined) {
+  const TempFolder folder;
+  const auto faces = [&](const std::string& marker) {
+    const std::string text =
+        "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n2 1\n3 1 2 3 1\n3 1 3 4 " + marker +
+        "\n0\n0\n";
+    const auto input = ReadInput(folder.Write("m.smesh", text), true);
+    EXPECT_TRUE(input.ok()) << input.status();
+    return std::ranges::count(input->features, FeatureKind::kPolygon, &Feature::kind);
+  };
+  EXPECT_EQ(faces("1"), 1);
+  EXPECT_EQ(faces("2"), 2);
 }
 
 TEST(Files, WhatIsWrongIsNamed) {

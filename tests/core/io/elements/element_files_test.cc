@@ -7,6 +7,7 @@
 
 #include "absl/strings/escaping.h"
 #include "core/io/elements/element_mesh.h"
+#include "core/io/formats/mesh_input.h"
 #include "core/io/meshes/medit_writer.h"
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/meshes/msh_writer.h"

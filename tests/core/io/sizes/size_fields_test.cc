@@ -207,14 +207,15 @@ TEST(SizeView, OfAnMtrIsOfPointsOrOfAMeshOfItsOwn) {
   const TempFolder folder;
   const std::vector<Feature> input = {Feature::Point(1, 1, 1), Feature::Point(2, 5, 5),
                                       Feature::Segment(3, 1, 2)};
+  const MeshOptions options = Options(2, 8);
   folder.Write("p.mtr", "2 1\n.5\n0\n");
-  auto sizes = ReadSizes(folder.Path("p.mtr"), input, Options(2, 8), 9);
+  auto sizes = ReadMtrFile(folder.Path("p.mtr"), {input, options, 9});
   ASSERT_TRUE(sizes.ok()) << sizes.status();
   EXPECT_EQ(*sizes, std::vector<Feature>{Feature::SizeAt(9, 1, 1, .5)});
   folder.Write("b.mtr", "3 1\n.5\n.5\n.5\n");
   folder.Write("b.node", "3 2 0 0\n1 0 0\n2 8 0\n3 0 8\n");
   folder.Write("b.ele", "1 3 0\n1 1 2 3\n");
-  sizes = ReadSizes(folder.Path("b.mtr"), input, Options(2, 8), 9);
+  sizes = ReadMtrFile(folder.Path("b.mtr"), {input, options, 9});
   ASSERT_TRUE(sizes.ok()) << sizes.status();
   EXPECT_EQ(TargetAt(*sizes, {2, 2, 0}, 2), .5);
 }
@@ -252,16 +253,21 @@ TEST(SizeFields, SayWhereAndWhatIsWrong) {
       {"a.mtr", "2 3\n1 2 3\n", "a.mtr:1: only a length for each point"},
       {"b.mtr", "2 1\n1\n", "the file ends after 1 lengths"},
       {"c.mtr", "1 1\n1\n", "c.mtr:1: 1 lengths for 0 points"},
-      {"a.csv", "1", "target lengths are read from"},
   };
+  const std::vector<Feature> none;
+  const MeshOptions options = Options(2, 1);
   for (const auto& [name, text, message] : bad) {
     folder.Write(name, text);
-    const auto sizes = ReadSizes(folder.Path(name), {}, Options(2, 1), 1);
+    const auto read = name.ends_with("asc")   ? ReadAscFile
+                      : name.ends_with("npy") ? ReadNpyFile
+                      : name.ends_with("pos") ? ReadPosFile
+                                              : ReadMtrFile;
+    const auto sizes = read(folder.Path(name), {none, options, 1});
     ASSERT_FALSE(sizes.ok()) << name;
     EXPECT_NE(std::string(sizes.status().message()).find(message), std::string::npos)
         << sizes.status();
   }
-  EXPECT_EQ(ReadSizes(folder.Path("no.asc"), {}, Options(2, 1), 1).status().code(),
+  EXPECT_EQ(ReadAscFile(folder.Path("no.asc"), {none, options, 1}).status().code(),
             absl::StatusCode::kNotFound);
 }
 

@@ -1,0 +1,64 @@
+"""Features from files, of every format that the `dynmesh` command reads."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Union
+
+from dynmesh import _core
+from dynmesh._types import Label
+
+
+@dataclass(frozen=True)
+class FileInput:
+    """The content of an input file, for a mesh::
+
+        plate = dynmesh.read_input("plate.poly")
+        mesh = dynmesh.open(**plate.options)            # or Server.mesh("plate", create=...)
+        mesh.apply(**plate.edits)
+
+    Plain data.
+    """
+
+    #: Of the mesh: the file's own (an edit script), or the usual ones and the bounding box.
+    options: dict[str, Any]
+    #: Arguments of `Mesh.apply` and `Mesh.load` that add all features, with their labels.
+    edits: dict[str, Any]
+    #: A place in each part that is to be left out of the mesh.
+    holes: list[tuple[float, ...]]
+    #: "file:line" of each feature, by id.
+    places: dict[int, str]
+    #: What was left out of the file's content.
+    warnings: list[str]
+
+
+def _edits_of(features: list[dict[str, Any]]) -> dict[str, Any]:
+    edits: dict[str, Any] = {"add_points": {}, "add_segments": {}, "add_polygons": {},
+                             "add_sizes": {}, "set_labels": {}}
+    for feature in features:
+        id_, kind = feature.pop("id"), feature.pop("kind")
+        marker, name = feature.pop("marker", 0), feature.pop("name", "")
+        if marker or name:
+            edits["set_labels"][id_] = Label(marker, name)
+        # The others have one member: a position, ends or rings.
+        edits[f"add_{kind}s"][id_] = feature if kind == "size" else next(iter(feature.values()))
+    return {name: value for name, value in edits.items() if value}
+
+
+def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = False,
+               polygons: bool = False, refine: bool = False) -> FileInput:
+    """The features in a file; its extension says which format it has.
+
+    Raises `InvalidArgument` with file and line for bad content, and with the formats that there are
+    for an unknown extension; `NotFound` if there is no such file.
+
+    Args:
+        path: .node, .poly, .smesh, .off, .stl, .obj, .ply, .msh, .mesh, .vtu, .geojson, .topojson,
+            .json or .dynmesh.
+        merge_coplanar: faces of 3D input that lie in one plane and have one marker are joined.
+        polygons: rings of a map are polygons, not segments.
+        refine: the file is a mesh to be refined: all its vertices are points.
+    """
+    read = _core.read_input(os.fspath(path), merge_coplanar, polygons, refine)
+    return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
+                     read["warnings"])

@@ -1,0 +1,71 @@
+// The geometry in a file, whatever its format: features to be meshed, with what the file says
+// beside them. Functions are thread-safe.
+#ifndef DYNMESH_CORE_IO_FORMATS_GEOMETRY_H_
+#define DYNMESH_CORE_IO_FORMATS_GEOMETRY_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/common/file_features.h"
+#include "core/io/common/locate.h"
+#include "core/io/elements/element_mesh.h"
+#include "core/io/maps/mended_rings.h"
+#include "core/io/script/edit_script.h"
+#include "core/io/space/face_rules.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::io {
+
+struct Geometry {
+  std::vector<Feature> features;
+  MeshOptions options;                // the box: the file's own, or its bounding box
+  std::vector<std::string> warnings;  // content that was skipped
+  // Positions of holes and regions, and the file that has them.
+  std::vector<SeedRow> holes;
+  std::vector<SeedRow> regions;
+  std::string seed_file;
+  std::vector<PolygonName> polygon_names;  // of a map's polygons
+  MendedRings mended;                      // of a map, if asked for
+  // Markers, names and attributes of points; names of a map's polygons, too. Not null.
+  std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
+  WhereFeature where;
+  // "file:line: rho" of the file's setting of a member of MeshOptions; empty if there is none.
+  std::function<std::string(std::string_view)> where_option = [](std::string_view) {
+    return std::string();
+  };
+};
+
+struct GeometryOptions {
+  bool polygons = false;                 // a map's polygons become polygon features
+  bool refine = false;                   // the file is a mesh whose vertices become points
+  FaceRules faces = FaceRules::kStrict;  // of surface files
+  bool mend_rings = false;               // of maps (MapOptions::mended)
+  bool any_script = false;  // an extension that no format is known by is an edit script's
+};
+
+// Reads a file by its extension (formats.h). INVALID_ARGUMENT as `file:line: what is wrong`, and
+// for an extension of something else; UNIMPLEMENTED for formats of other programs; NOT_FOUND and
+// the like if the file cannot be read. O(n lg n).
+absl::StatusOr<Geometry> ReadGeometry(const std::string& path, const GeometryOptions& options = {});
+
+// The geometry of content that was read.
+Geometry GeometryOfPlane(FileFeatures file, const std::string& path);
+Geometry GeometryOfSpace(FileFeatures file, const std::string& path);
+Geometry GeometryOfElements(const ElementMesh& mesh, const std::string& path, bool refine);
+absl::StatusOr<Geometry> GeometryOfScript(const EditScript& script);
+
+// Joins faces of 3D geometry that lie in one plane and have one marker (core/coplanar). `most`: the
+// thickness that a mesh allows at an extent; with a tolerance of 0 it may be empty. Errors have
+// places.
+absl::Status JoinFaces(double tolerance, const std::function<double(double)>& most,
+                       const std::string& path, Geometry& geometry);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_FORMATS_GEOMETRY_H_

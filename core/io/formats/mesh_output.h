@@ -1,0 +1,56 @@
+// Meshes, leaves of quadtrees and features to files, whatever the format: formats.h chooses by the
+// extension. Either a file is complete, or the former one stays; UNAVAILABLE, naming it, if it
+// cannot be written. Thread-safe.
+#ifndef DYNMESH_CORE_IO_FORMATS_MESH_OUTPUT_H_
+#define DYNMESH_CORE_IO_FORMATS_MESH_OUTPUT_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/io/common/feature_labels.h"
+#include "core/io/common/triangle_sections.h"
+#include "core/io/meshes/indexed_mesh.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/pictures/svg_writer.h"
+#include "core/io/quadtrees/leaf_list.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::io {
+
+struct MeshOutput {
+  MeshFileOptions files;  // of a .node and the files beside it; the bounds, of all formats
+  SvgOptions picture;
+  const IndexedMesh* shown = nullptr;  // in a picture, if not the mesh: it is of order 1
+};
+
+// INVALID_ARGUMENT unless a mesh or leaves are written with this extension; UNIMPLEMENTED for a
+// .png.
+absl::Status CheckMeshOutput(const std::string& path);
+// The same for a mesh of this dimension and kind.
+absl::Status CheckMeshOutputOf(const MeshOptions& options, const std::string& path);
+
+// REQUIRES: the checks above are OK.
+absl::Status WriteMeshFile(const IndexedMesh& mesh, const MeshOutput& output,
+                           const std::string& path);
+absl::Status WriteLeafFile(const LeafList& list, const MeshOutput& output, const std::string& path);
+
+struct FeatureOutput {
+  const MeshOptions& options;
+  const std::vector<Feature>& features;
+  const std::vector<SeedRow>& holes;
+  const std::vector<SeedRow>& regions;
+  const FeatureLabels& labels;
+};
+
+// INVALID_ARGUMENT unless features of this dimension are written with this extension.
+absl::Status CheckFeatureOutput(int dimension, const std::string& path);
+
+// What the format does not keep is left out (FormatFlag). INVALID_ARGUMENT if it cannot have some
+// feature. REQUIRES: the check above is OK.
+absl::Status WriteFeatureFile(const std::string& path, const FeatureOutput& output);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_FORMATS_MESH_OUTPUT_H_

@@ -1,0 +1,47 @@
+"""Features from files."""
+import pytest
+
+import dynmesh
+
+FRAME = ("8 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .4 .4\n6 .6 .4\n7 .6 .6\n8 .4 .6\n"
+         "8 1\n1 1 2 5\n2 2 3 0\n3 3 4 0\n4 4 1 0\n5 5 6 0\n6 6 7 0\n7 7 8 0\n8 8 5 0\n1\n1 .5 .5\n")
+MAP = '{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}'
+SIZES = ("mesh dim=3 box=0,0,0,4,4,4 rho=2.5\nadd point 1 1 1 1\nadd point 2 3 1 1\n"
+         "add point 3 1 3 1\nadd polygon 4 1 2 3\nadd size 5 disc 2 2 2 1 .5\nname 4 wall\n")
+
+
+def test_a_file_becomes_a_mesh(tmp_path):
+    (tmp_path / "f.poly").write_text(FRAME)
+    frame = dynmesh.read_input(tmp_path / "f.poly")
+    assert frame.options["dimension"] == 2 and frame.holes == [(0.5, 0.5)]
+    assert frame.edits["add_segments"][9] == (1, 2) and frame.edits["set_labels"][9].marker == 5
+    assert frame.places[9].endswith("f.poly:11") and frame.warnings == []
+    mesh = dynmesh.open(**frame.options)
+    mesh.apply(**frame.edits)
+    assert len(mesh.features()) == 16 and mesh.labels[9].marker == 5
+
+
+def test_each_kind_of_feature_is_an_edit(tmp_path):
+    (tmp_path / "s.dynmesh").write_text(SIZES)
+    script = dynmesh.read_input(str(tmp_path / "s.dynmesh"))
+    assert script.options["rho"] == 2.5
+    mesh = dynmesh.open(**script.options)
+    mesh.apply(**script.edits)
+    assert {f["kind"] for f in mesh.features()} == {"point", "polygon", "size"}
+    assert mesh.labels[4].name == "wall"
+
+
+def test_a_map_has_polygons_on_request(tmp_path):
+    (tmp_path / "m.geojson").write_text(MAP)
+    assert "add_polygons" not in dynmesh.read_input(tmp_path / "m.geojson").edits
+    assert len(dynmesh.read_input(tmp_path / "m.geojson", polygons=True).edits["add_polygons"]) == 1
+
+
+def test_errors_name_line_and_formats(tmp_path):
+    (tmp_path / "bad.node").write_text("1 2 0 0\n1 0 zero\n")
+    with pytest.raises(dynmesh.InvalidArgument, match=r"bad\.node:2: "):
+        dynmesh.read_input(tmp_path / "bad.node")
+    with pytest.raises(dynmesh.InvalidArgument, match=r"\.node, \.poly.* or \.dynmesh"):
+        dynmesh.read_input(tmp_path / "a.xyz")
+    with pytest.raises(dynmesh.NotFound):
+        dynmesh.read_input(tmp_path / "none.off")
