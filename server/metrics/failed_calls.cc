@@ -41,8 +41,8 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
   const LogLevel level = LevelOf(status.error_code());
   if (!LogEnabled(level)) return;
   std::uint64_t left_out = 0;
-  if (level == LogLevel::kInfo && !LogEnabled(LogLevel::kDebug)) {
-    const auto line = TakeLine(reason);
+  if (level != LogLevel::kDebug && !LogEnabled(LogLevel::kDebug)) {
+    const auto line = TakeLine(reason.empty() ? std::string(call.code) : reason);
     if (!line.has_value()) return;
     left_out = *line;
   }

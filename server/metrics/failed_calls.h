@@ -1,4 +1,4 @@
-// Failed calls: counted by reason, and logged. There may be thousands of refusals per second, so at
+// Failed calls: counted by reason, and logged. There may be thousands of them per second, so at
 // most one line a second is logged for each reason, with the number left out before it.
 // Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_FAILED_CALLS_H_
@@ -38,8 +38,9 @@ class FailedCalls {
     std::string peer;        // address and port
   };
   // To be called once per failed call. A failure caused by the server is logged as a warning. A
-  // refusal (no token, missing role, a limit) is logged as an info line call_refused, limited as
-  // above. All else is logged at debug level.
+  // refusal (no token, missing role, a limit) is logged as an info line call_refused. Both are
+  // limited as above: gRPC answers INTERNAL for what a client resets in its own services. All else
+  // is logged at debug level.
   void Tell(const Call& call, const grpc::Status& status);
 
  private:
@@ -47,14 +48,13 @@ class FailedCalls {
     MetricsClock::time_point last;
     std::uint64_t left_out = 0;
   };
-  // How many refusals of that reason were left out before this one; nothing if this one is left
-  // out.
+  // How many lines of that reason were left out before this one; nothing if this one is left out.
   std::optional<std::uint64_t> TakeLine(const std::string& reason);
 
   MetricFamily<Counter>& by_reason_;
   std::function<std::string(const std::string&)> holders_;
   Mutex mutex_;
-  std::map<std::string, Told> told_ ABSL_GUARDED_BY(mutex_);  // by reason; few reasons exist
+  std::map<std::string, Told> told_ ABSL_GUARDED_BY(mutex_);  // by reason, or by code; few exist
 };
 
 }  // namespace dynmesh::server

@@ -283,6 +283,25 @@ TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "ROLE_MISSING"}}), 1);
 }
 
+// gRPC's own services answer INTERNAL to what a client resets: no token is needed for that.
+TEST_F(ObserveTest, ThousandsOfFailuresAreFewLines) {
+  MetricRegistry metrics;
+  FailedCalls calls(metrics);
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 1000; ++i) {
+    calls.Tell({"id", "Watch", "Internal", "ipv4:10.0.0.7:1234"},
+               grpc::Status(grpc::StatusCode::INTERNAL, ""));
+    calls.Tell({"id", "Watch", "DataLoss", "ipv4:10.0.0.7:1234"},
+               grpc::Status(grpc::StatusCode::DATA_LOSS, ""));
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  EXPECT_GE(Count(log, "level=warning event=call_failed call=id method=Watch code=Internal"), 1u);
+  EXPECT_GE(Count(log, "code=DataLoss"), 1u) << log;
+  EXPECT_LE(Count(log, "call_failed"), 100u) << log;
+}
+
 TEST_F(ObserveTest, LinesTellWhoMadeAndDeletedAMesh) {
   ASSERT_TRUE(SetLogLevel("info").ok());
   testing::internal::CaptureStderr();
