@@ -7,10 +7,12 @@
 #include "core/meshing/complete.h"
 #include "core/meshing/cure.h"
 #include "core/meshing/facet_anchors.h"
+#include "core/meshing/facet_membership.h"
 #include "core/meshing/first_gaps.h"
 #include "core/meshing/input_editor.h"
 #include "core/meshing/input_triangulation.h"
 #include "core/meshing/nearest.h"
+#include "core/meshing/neighbours.h"
 #include "core/meshing/notifier.h"
 #include "core/meshing/order.h"
 #include "core/meshing/presplit.h"
@@ -120,6 +122,21 @@ template <int D, template <class> class E>
 void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   parts_->facet_anchors.Remove(index);
   parts_->input.RemoveFacet(index);
+}
+
+// --- Results ----------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+void Refinement<D, E>::ForSomeNeighbours(VertexIndex v,
+                                         absl::FunctionRef<bool(VertexIndex)> f) const {
+  meshing::ForSomeNeighbours(complex_, v, f);
+}
+
+template <int D, template <class> class E>
+FeatureSlot Refinement<D, E>::FacetAt(VertexIndex a, VertexIndex b, VertexIndex c,
+                                      VertexIndex d) const {
+  const FacetIndex facet = FacetOf(complex_, a, b, c, d);
+  return facet == kNil ? kNil : complex_.facets[facet].feature();
 }
 
 // --- Propagation ------------------------------------------------------------------------

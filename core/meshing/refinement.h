@@ -43,6 +43,8 @@
 
 #include "absl/functional/function_ref.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/input_sink.h"
+#include "core/meshing/mesh_source.h"
 #include "core/meshing/types.h"
 #include "core/sac/engine.h"
 #include "core/sac/untraced_engine.h"
@@ -51,7 +53,7 @@
 namespace dynmesh::meshing {
 
 template <int D, template <class> class E>
-class Refinement {
+class Refinement final : public EditableSink<D>, public MeshSource<D> {
  public:
   using Engine = E<Refinement>;
   using Context = typename Engine::Context;
@@ -64,6 +66,7 @@ class Refinement {
   using Rules = RulesOf<D>;
   using Triangulation = TriangulationOf<D>;
   using SizingIndex = typename SizingField<D>::Index;
+  using OnChange = typename MeshSource<D>::OnChange;
 
   // If `triangulation` is given, neighbourhoods are read off it, and every published vertex is
   // inserted into it: for runs from scratch only, until DetachTriangulation. It must be empty.
@@ -75,15 +78,16 @@ class Refinement {
   // Reserves room for so many input points and as many Steiner points. This saves copying; a guess
   // that is too high costs no memory.
   void Reserve(std::size_t points);
-  VertexIndex AddPoint(const Point& p, FeatureSlot feature);
-  void RemovePoint(VertexIndex v);
+  VertexIndex AddPoint(const Point& p, FeatureSlot feature) override;
+  void RemovePoint(VertexIndex v) override;
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
-                             const SegmentShape& shape = {});
-  void RemoveSegment(SubsegmentIndex s);
-  SizingIndex AddSizing(const SizingRegion<D>& region);
-  void RemoveSizing(SizingIndex index);
-  FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature);
-  void RemoveFacet(FacetIndex index);
+                             const SegmentShape& shape = {}) override;
+  void RemoveSegment(SubsegmentIndex s) override;
+  SizingIndex AddSizing(const SizingRegion<D>& region) override;
+  void RemoveSizing(SizingIndex index) override;
+  FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings,
+                      FeatureSlot feature) override;
+  void RemoveFacet(FacetIndex index) override;
 
   // Runs what is due, for the first time or again. `interrupt()` is called before each operation;
   // if it returns true, Propagate returns false. See sac::Engine::Propagate.
@@ -95,15 +99,16 @@ class Refinement {
   // --- Results ---------------------------------------------------------------------
 
   const Complex<D, E>& complex() const { return complex_; }
-  const ElementStore<D>& elements() const { return complex_.elements; }
+  const ElementStore<D>& elements() const override { return complex_.elements; }
+  const FacetField& facets() const override { return complex_.facets; }
   const Vertex& vertex(VertexIndex v) const { return complex_.vertex(v); }
   const Subsegment& subsegment(SubsegmentIndex s) const { return complex_.subsegment(s); }
   std::size_t vertex_count() const { return complex_.elements.vertex_count(); }
-  // See ElementStore.
-  template <class OnVertex, class OnSubsegment>
-  void TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
+  void TakeChanges(OnChange on_vertex, OnChange on_subsegment) override {
     complex_.elements.TakeChanges(on_vertex, on_subsegment);
   }
+  void ForSomeNeighbours(VertexIndex v, absl::FunctionRef<bool(VertexIndex)> f) const override;
+  FeatureSlot FacetAt(VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) const override;
 
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
