@@ -3,6 +3,7 @@
 // 6.2), and keeps them when the input changes. core/sac/engine.h draws the calls between the two.
 //
 //   complex.h        what there is: elements, the indices over them, the input
+//   run.h            the mode of a run: how neighbourhoods are found
 //   input_editor.h   changes of input; border.h, anchors.h and facet_anchors.h add vertices to it
 //   order.h          the order of operations within an epoch
 //
@@ -19,7 +20,8 @@
 //   edge_criterion.h, thesis_criterion.h, planar_gaps.h, space_gaps.h   which gap an edge has
 //   encroachment.h   which vertices encroach on a subsegment, and on which ones a point does
 // What they make:
-//   splits.h         emits elements
+//   splits.h         where a subsegment is split
+//   emitter.h        emits elements
 //   publisher.h      makes them visible
 //   notifier.h, read_filter.h   which operations a change affects
 //
@@ -68,8 +70,9 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   using SizingIndex = typename SizingField<D>::Index;
   using OnChange = typename MeshSource<D>::OnChange;
 
-  // If `triangulation` is given, neighbourhoods are read off it, and every published vertex is
-  // inserted into it: for runs from scratch only, until DetachTriangulation. It must be empty.
+  // Chooses the mode of the run (run.h). If `triangulation` is given, neighbourhoods are read off
+  // it, and every published vertex is inserted into it: for runs from scratch only, until
+  // DetachTriangulation. It must be empty.
   Refinement(const MeshOptions& options, Triangulation* triangulation);
   ~Refinement();
 
@@ -94,7 +97,7 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   bool Propagate(absl::FunctionRef<bool()> interrupt);
 
   // From now on neighbourhoods are found in the spatial tree.
-  void DetachTriangulation() { complex_.triangulation = nullptr; }
+  void DetachTriangulation() { complex_.run.LeaveTriangulation(); }
 
   // --- Results ---------------------------------------------------------------------
 
@@ -113,7 +116,7 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
   // True if an insertion or a split was refused because it would be finer than limits allow.
-  bool hit_depth_limit() const { return complex_.hit_depth_limit; }
+  bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }
   // True if the greatest number of vertices, subsegments or simplices is reached. Then what was
   // made must be undone, which may take as many more vertices and subsegments as there were before.
   bool is_full() const { return complex_.is_full(); }
@@ -153,6 +156,8 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
 
  private:
   struct Parts;  // the procedures and what serves them
+
+  void PublishInGlobal(sac::Output output, sac::Stamp at);
 
   // What comes before and after the engine's own propagation. Begin is false if it was interrupted.
   bool Begin(absl::FunctionRef<bool()> interrupt);

@@ -139,7 +139,7 @@ void PlcInput<D>::AddBall(SubsegmentIndex s) {
 template <int D>
 bool PlcInput<D>::CanSplit(SubsegmentIndex s) {
   if (meshing::CanSplit(complex_, complex_.subsegment(s))) return true;
-  complex_.hit_depth_limit = true;
+  complex_.run.NoteDepthLimit();
   return false;
 }
 

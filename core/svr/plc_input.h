@@ -118,7 +118,7 @@ class PlcInput final : public meshing::InputSink<D>, public meshing::MeshSource<
   void ForSomeNeighbours(VertexIndex, absl::FunctionRef<bool(VertexIndex)>) const override {}
   meshing::FeatureSlot FacetAt(VertexIndex a, VertexIndex b, VertexIndex c,
                                VertexIndex d) const override;
-  bool hit_depth_limit() const { return complex_.hit_depth_limit; }
+  bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }
   bool is_full() const { return complex_.is_full(); }
   std::optional<Point> OverflowAt() const { return std::nullopt; }
 
