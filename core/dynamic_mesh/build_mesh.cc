@@ -11,6 +11,7 @@
 #include "core/dynamic_mesh/finest_place.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "core/meshing/refinement.h"
 #include "core/svr/svr.h"
 
 namespace dynmesh {

@@ -12,9 +12,6 @@
 #include "core/mesh_data/canonical_order.h"
 #include "core/mesh_data/regions.h"
 #include "core/mesh_data/whole_mesh.h"
-#include "core/meshing/facet_membership.h"
-#include "core/meshing/neighbours.h"
-#include "core/svr/plc_input.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -29,11 +26,10 @@ bool IsFinite(const std::array<VertexIndex, N>& v) {
   return std::find(v.begin(), v.end(), delaunay::DelaunayTriangulation::kInfinite) == v.end();
 }
 
-template <class Refinement>
-auto FacetsOf(const Refinement& refinement) {
+template <int D>
+auto FacetsIn(const meshing::MeshSource<D>& mesher) {
   return [&](VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) {
-    const meshing::FacetIndex facet = meshing::FacetOf(refinement.complex(), a, b, c, d);
-    return facet == meshing::kNil ? meshing::kNil : refinement.complex().facets[facet].feature();
+    return mesher.FacetAt(a, b, c, d);
   };
 }
 
@@ -83,15 +79,15 @@ absl::Status DiffBuilder<D>::RegionStatus() const {
 }
 
 template <int D>
-template <class Refinement>
-absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
+absl::Status DiffBuilder<D>::NameStatus(const Source& mesher,
                                         const FeatureTable<D>& features) const {
+  const Elements& elements = mesher.elements();
   const auto clash =
-      names_.Clash([&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+      names_.Clash([&](VertexIndex v) -> const Point& { return elements.vertex(v).p; });
   if (!clash) return absl::OkStatus();
   std::array<NamedVertex, 2> named;
   for (std::size_t i = 0; i < 2; ++i) {
-    const Vertex& vertex = refinement.vertex((*clash)[i]);
+    const Vertex& vertex = elements.vertex((*clash)[i]);
     named[i] = {{vertex.p.c.begin(), vertex.p.c.end()}, features.IdOf(vertex.feature)};
   }
   return VertexIdError(named);
@@ -100,32 +96,32 @@ absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
 // --- The whole mesh -------------------------------------------------------------------
 
 template <int D>
-template <class Refinement>
-Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps) {
-  refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
-  names_.Reserve(refinement.vertex_count());
+Mesh DiffBuilder<D>::Begin(Source& mesher, const FeatureTable<D>& features, Steps& steps) {
+  mesher.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
+  const Elements& elements = mesher.elements();
+  names_.Reserve(elements.vertex_count());
   std::vector<VertexIndex> all,
       missing;  // the triangulation may have been filled during refinement
-  all.reserve(refinement.vertex_count());
-  refinement.elements().ForEachVertex([&](VertexIndex v, const Vertex&) {
+  all.reserve(elements.vertex_count());
+  elements.ForEachVertex([&](VertexIndex v, const Vertex&) {
     all.push_back(v);
     if (!triangulation_.Contains(v)) missing.push_back(v);
   });
-  FillTriangulation(refinement, missing, steps);
+  FillTriangulation(elements, missing, steps);
   if (triangulation_.is_full()) return {};
   for (std::span<const VertexIndex> rest = all; !rest.empty() && !steps.Stop(Steps::kBetween);) {
     const std::size_t count = std::min(rest.size(), Steps::kBetween);
     names_.AddAll(rest.first(count),
-                  [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+                  [&](VertexIndex v) -> const Point& { return elements.vertex(v).p; });
     rest = rest.subspan(count);
   }
   if (steps.stopped()) return {};
   if constexpr (D == 2) {
-    refinement.elements().ForEachSubsegment(
+    elements.ForEachSubsegment(
         [&](const Subsegment& s) { AddWall(SideOf(s), s.feature, features); });
   } else if (features.has_facets()) {
     triangulation_.ForEachSimplex(
-        [&](Simplex t) { subfacets_.Add(triangulation_.vertices(t), FacetsOf(refinement)); });
+        [&](Simplex t) { subfacets_.Add(triangulation_.vertices(t), FacetsIn(mesher)); });
     subfacets_.ClearChanges();
     subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
       AddWall(face, slot, features);
@@ -133,7 +129,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   }
   labels_.LabelAll(steps);
   if (steps.stopped() || !RegionStatus().ok()) return {};
-  Mesh mesh = Snapshot(refinement, features, steps);
+  Mesh mesh = Snapshot(mesher, features, steps);
   if (steps.stopped()) return {};
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = mesh_data::ComputeHash(mesh, steps);
@@ -143,13 +139,12 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
 // Steiner points of long edges first, the input last. This keeps the number of simplices per vertex
 // small; it would be large among points of curves in 3D.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
-                                       std::vector<VertexIndex>& missing, Steps& steps) {
+void DiffBuilder<D>::FillTriangulation(const Elements& elements, std::vector<VertexIndex>& missing,
+                                       Steps& steps) {
   const auto bucket = [&](VertexIndex v) {
-    return meshing::BucketOfEpoch(refinement.vertex(v).epoch);
+    return meshing::BucketOfEpoch(elements.vertex(v).epoch);
   };
-  triangulation_.Reserve(refinement.vertex_count());
+  triangulation_.Reserve(elements.vertex_count());
   std::stable_sort(missing.begin(), missing.end(),
                    [&](VertexIndex a, VertexIndex b) { return bucket(a) > bucket(b); });
   std::vector<Point> points;
@@ -157,7 +152,7 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
   for (std::size_t from = 0, to = 0; from < missing.size(); from = to) {
     points.clear();
     for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
-      points.push_back(refinement.vertex(missing[to]).p);
+      points.push_back(elements.vertex(missing[to]).p);
     }
     // In chunks of neighbouring points.
     ordered.clear();
@@ -169,20 +164,19 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
       const auto part =
           std::span(ordered).subspan(at, std::min(Steps::kBetween, ordered.size() - at));
       points.clear();
-      for (const VertexIndex v : part) points.push_back(refinement.vertex(v).p);
+      for (const VertexIndex v : part) points.push_back(elements.vertex(v).p);
       triangulation_.InsertAll(part, points);
     }
   }
 }
 
 template <int D>
-template <class Refinement>
-Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features,
+Mesh DiffBuilder<D>::Snapshot(const Source& mesher, const FeatureTable<D>& features,
                               Steps& steps) const {
   Mesh mesh;
   mesh.dimension = D;
   Reserve(mesh.vertices, D, triangulation_.vertex_count());
-  refinement.elements().ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
+  mesher.elements().ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
     if (!steps.Stop()) Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
   if (steps.stopped()) return mesh;
@@ -198,7 +192,7 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
     triangulation_.ForEachSimplex([&](Simplex t) { mesh.regions.push_back(labels_.at(t)); });
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
-  refinement.elements().ForEachTakenSubsegment([&](const Subsegment& s) {
+  mesher.elements().ForEachTakenSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments,
            ConstraintRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   });
@@ -212,21 +206,21 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
 // --- Changes --------------------------------------------------------------------------
 
 template <int D>
-template <class Refinement>
-MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& features) {
-  TakeChanges(refinement);
-  UpdateNames(refinement);
-  UpdateTriangulation(refinement);
+MeshDiff DiffBuilder<D>::Update(Source& mesher, const FeatureTable<D>& features) {
+  const Elements& elements = mesher.elements();
+  TakeChanges(mesher);
+  UpdateNames(elements);
+  UpdateTriangulation(mesher);
   if (triangulation_.is_full()) return {};
-  UpdateSubfacets(refinement, features);
-  UpdateWalls(refinement, features);
-  UpdateLabels(refinement, features);
+  UpdateSubfacets(mesher, features);
+  UpdateWalls(elements, features);
+  UpdateLabels(elements, features);
   if (!RegionStatus().ok()) return {};
   if (!renamed_.empty()) AddSimplicesOfRenamed();
   MeshDiff diff;
   diff.dimension = D;
-  ReportVertices(refinement, features, &diff);
-  ReportSubsegments(refinement, features, &diff);
+  ReportVertices(elements, features, &diff);
+  ReportSubsegments(elements, features, &diff);
   ReportSubfacets(features, &diff);
   ReportSimplices(&diff);
   diff.hash = hash_;
@@ -235,11 +229,10 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
 }
 
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::TakeChanges(Refinement& refinement) {
+void DiffBuilder<D>::TakeChanges(Source& mesher) {
   vertices_.Clear();
   subsegments_.Clear();
-  refinement.TakeChanges(
+  mesher.TakeChanges(
       [&](VertexIndex v, bool is, bool was) {
         if (is != was) (is ? vertices_.come : vertices_.gone).push_back(v);
       },
@@ -250,10 +243,9 @@ void DiffBuilder<D>::TakeChanges(Refinement& refinement) {
 
 // Ids of removed vertices stay readable by OldId, like those of renamed ones.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
+void DiffBuilder<D>::UpdateNames(const Elements& elements) {
   renamed_.Clear();
-  const auto position = [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; };
+  const auto position = [&](VertexIndex v) -> const Point& { return elements.vertex(v).p; };
   const auto keep_old = [&](VertexIndex v) {
     if (triangulation_.Contains(v)) renamed_.Add(v, names_.at(v));  // was in the mesh
   };
@@ -264,8 +256,7 @@ void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
 
 // Removals first: an added vertex may have the same coordinates.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
+void DiffBuilder<D>::UpdateTriangulation(const Source& mesher) {
   simplices_.Clear();
   fresh_.clear();
   for (const VertexIndex v : vertices_.gone) {
@@ -274,7 +265,7 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
   }
   if (triangulation_.is_full()) return;
   for (const VertexIndex v : vertices_.come) {
-    InsertVertex(refinement, v);
+    InsertVertex(mesher, v);
     RecordSimplices();
   }
   // Some were removed again, some indices were reused.
@@ -283,17 +274,16 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
   fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
 }
 
-// A neighbour in the refinement is a good start of the search.
+// A vertex that was near when v was made is a good start of the search.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::InsertVertex(const Refinement& refinement, VertexIndex v) {
+void DiffBuilder<D>::InsertVertex(const Source& mesher, VertexIndex v) {
   VertexIndex near = 0;
-  meshing::ForSomeNeighbours(refinement.complex(), v, [&](VertexIndex u) {
+  mesher.ForSomeNeighbours(v, [&](VertexIndex u) {
     if (!triangulation_.Contains(u)) return false;
     near = u;
     return true;
   });
-  triangulation_.Insert(v, refinement.vertex(v).p, near);
+  triangulation_.Insert(v, mesher.elements().vertex(v).p, near);
 }
 
 // A simplex that the same update adds and removes does not appear.
@@ -319,13 +309,11 @@ typename DiffBuilder<D>::IndexRow DiffBuilder<D>::RowOf(Simplex t) const {
 
 // Subfacets that stay under other vertex ids are removed and added, too.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::UpdateSubfacets(const Refinement& refinement,
-                                     const FeatureTable<D>& features) {
+void DiffBuilder<D>::UpdateSubfacets(const Source& mesher, const FeatureTable<D>& features) {
   if constexpr (D == 3) {
     subfacets_.ClearChanges();
     if (!features.has_facets() && subfacets_.size() == 0) return;
-    const auto facet_of = FacetsOf(refinement);
+    const auto facet_of = FacetsIn(mesher);
     const auto vertices = [&](Simplex t) { return triangulation_.vertices(t); };
     for (const meshing::FeatureSlot slot : features.gone_facets()) subfacets_.RemoveFacet(slot);
     for (const IndexRow& row : simplices_.gone) subfacets_.Remove(row.v);
@@ -340,15 +328,14 @@ void DiffBuilder<D>::UpdateSubfacets(const Refinement& refinement,
 
 // Removals first: an added subsegment may have the same ends.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::UpdateWalls(const Refinement& refinement, const FeatureTable<D>& features) {
+void DiffBuilder<D>::UpdateWalls(const Elements& elements, const FeatureTable<D>& features) {
   if constexpr (D == 2) {
     for (const SubsegmentIndex i : subsegments_.gone) {
-      const Subsegment& s = refinement.subsegment(i);
+      const Subsegment& s = elements.subsegment(i);
       labels_.RemoveWall(SideOf(s));
     }
     for (const SubsegmentIndex i : subsegments_.come) {
-      const Subsegment& s = refinement.subsegment(i);
+      const Subsegment& s = elements.subsegment(i);
       AddWall(SideOf(s), s.feature, features);
     }
   } else {
@@ -364,10 +351,9 @@ void DiffBuilder<D>::UpdateWalls(const Refinement& refinement, const FeatureTabl
 }
 
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features) {
+void DiffBuilder<D>::UpdateLabels(const Elements& elements, const FeatureTable<D>& features) {
   const auto& relabelled = labels_.Update(fresh_, features.toggled_walls(), [&](VertexIndex v) {
-    const int dimension = refinement.vertex(v).dimension;
+    const int dimension = elements.vertex(v).dimension;
     return 0 < dimension && dimension < D;
   });
   for (const auto t : fresh_) simplices_.come.push_back(RowOf(t));
@@ -406,28 +392,5 @@ void DiffBuilder<D>::AddSimplicesOfRenamed() {
 
 template class DiffBuilder<2>;
 template class DiffBuilder<3>;
-
-template <int D>
-using Traced = meshing::Refinement<D, sac::Engine>;
-template <int D>
-using Untraced = meshing::Refinement<D, sac::UntracedEngine>;
-template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&, Steps&);
-template absl::Status DiffBuilder<2>::NameStatus(const Traced<2>&, const FeatureTable<2>&) const;
-template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&, Steps&);
-template absl::Status DiffBuilder<2>::NameStatus(const Untraced<2>&, const FeatureTable<2>&) const;
-template Mesh DiffBuilder<2>::Begin(svr::PlcInput<2>&, const FeatureTable<2>&, Steps&);
-template absl::Status DiffBuilder<2>::NameStatus(const svr::PlcInput<2>&,
-                                                 const FeatureTable<2>&) const;
-template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
-template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&, Steps&) const;
-template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&, Steps&);
-template absl::Status DiffBuilder<3>::NameStatus(const Traced<3>&, const FeatureTable<3>&) const;
-template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&, Steps&);
-template absl::Status DiffBuilder<3>::NameStatus(const Untraced<3>&, const FeatureTable<3>&) const;
-template Mesh DiffBuilder<3>::Begin(svr::PlcInput<3>&, const FeatureTable<3>&, Steps&);
-template absl::Status DiffBuilder<3>::NameStatus(const svr::PlcInput<3>&,
-                                                 const FeatureTable<3>&) const;
-template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
-template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&, Steps&) const;
 
 }  // namespace dynmesh

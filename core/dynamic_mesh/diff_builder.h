@@ -1,4 +1,4 @@
-// From changes of the refinement to a MeshDiff. Keeps the Delaunay triangulation of the vertices
+// From changes of a mesher to a MeshDiff. Keeps the Delaunay triangulation of the vertices
 // present, their public ids and the hash of the mesh. Nets each propagation into a diff.
 //
 // The triangulation is a function of the vertex set, so it is outside the trace: the few vertices
@@ -24,13 +24,14 @@
 
 #include "absl/status/status.h"
 #include "core/base/steps.h"
+#include "core/delaunay/triangulation_of.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
 #include "core/dynamic_mesh/renamed_vertices.h"
 #include "core/dynamic_mesh/subfacet_table.h"
 #include "core/dynamic_mesh/vertex_names.h"
 #include "core/mesh_data/canonical_order.h"
-#include "core/meshing/refinement.h"
+#include "core/meshing/mesh_source.h"
 #include "core/regions/region_labels.h"
 #include "dynmesh/mesh.h"
 
@@ -39,8 +40,9 @@ namespace dynmesh {
 template <int D>
 class DiffBuilder {
  public:
-  using Triangulation = typename meshing::Refinement<D, sac::Engine>::Triangulation;
-  using Rules = typename meshing::Refinement<D, sac::Engine>::Rules;
+  using Source = meshing::MeshSource<D>;
+  using Elements = meshing::ElementStore<D>;
+  using Triangulation = delaunay::TriangulationOf<D>;
   using Labels = RegionLabels<D>;
   using Simplex = typename Triangulation::SimplexIndex;
 
@@ -53,27 +55,22 @@ class DiffBuilder {
   const Triangulation& triangulation() const { return triangulation_; }
   // The first call, for a run from scratch: returns the whole mesh. Rows are unordered, see mesh.h.
   // If `steps` stop, the result is unspecified and the builder unusable.
-  template <class Refinement>
-  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps);
-  template <class Refinement>
-  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features) {
+  Mesh Begin(Source& mesher, const FeatureTable<D>& features, Steps& steps);
+  Mesh Begin(Source& mesher, const FeatureTable<D>& features) {
     AllSteps all;
-    return Begin(refinement, features, all);
+    return Begin(mesher, features, all);
   }
 
   // The diff since the last call. Rows are sorted as by Canonicalize. The caller sets the work
   // counters.
-  template <class Refinement>
-  MeshDiff Update(Refinement& refinement, const FeatureTable<D>& features);
+  MeshDiff Update(Source& mesher, const FeatureTable<D>& features);
 
-  // The whole mesh of the last Update, even if the refinement has been changed since, or is being
-  // run. Rows are unordered, see mesh.h.
-  template <class Refinement>
-  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features, Steps& steps) const;
-  template <class Refinement>
-  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
+  // The whole mesh of the last Update, even if the mesher has been changed since, or is being run.
+  // Rows are unordered, see mesh.h.
+  Mesh Snapshot(const Source& mesher, const FeatureTable<D>& features, Steps& steps) const;
+  Mesh Snapshot(const Source& mesher, const FeatureTable<D>& features) const {
     AllSteps all;
-    return Snapshot(refinement, features, all);
+    return Snapshot(mesher, features, all);
   }
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
@@ -88,8 +85,7 @@ class DiffBuilder {
   absl::Status RegionStatus() const;
   // FAILED_PRECONDITION (ID_COLLISION) if two vertices have the same id after the last Begin or
   // Update. Then its result is invalid, but a further Update may be valid.
-  template <class Refinement>
-  absl::Status NameStatus(const Refinement& refinement, const FeatureTable<D>& features) const;
+  absl::Status NameStatus(const Source& mesher, const FeatureTable<D>& features) const;
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }
@@ -113,32 +109,20 @@ class DiffBuilder {
   };
 
   // The steps of an update, in this order. Those that report are in diff_report.cc.
-  template <class Refinement>
-  void TakeChanges(Refinement& refinement);
-  template <class Refinement>
-  void UpdateNames(const Refinement& refinement);
-  template <class Refinement>
-  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing,
+  void TakeChanges(Source& mesher);
+  void UpdateNames(const Elements& elements);
+  void FillTriangulation(const Elements& elements, std::vector<meshing::VertexIndex>& missing,
                          Steps& steps);
-  template <class Refinement>
-  void UpdateTriangulation(const Refinement& refinement);
-  template <class Refinement>
-  void UpdateSubfacets(const Refinement& refinement, const FeatureTable<D>& features);
-  template <class Refinement>
-  void UpdateWalls(const Refinement& refinement, const FeatureTable<D>& features);
-  template <class Refinement>
-  void UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features);
-  template <class Refinement>
-  void ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
-                      MeshDiff* diff);
-  template <class Refinement>
-  void ReportSubsegments(const Refinement& refinement, const FeatureTable<D>& features,
-                         MeshDiff* diff);
+  void UpdateTriangulation(const Source& mesher);
+  void UpdateSubfacets(const Source& mesher, const FeatureTable<D>& features);
+  void UpdateWalls(const Elements& elements, const FeatureTable<D>& features);
+  void UpdateLabels(const Elements& elements, const FeatureTable<D>& features);
+  void ReportVertices(const Elements& elements, const FeatureTable<D>& features, MeshDiff* diff);
+  void ReportSubsegments(const Elements& elements, const FeatureTable<D>& features, MeshDiff* diff);
   void ReportSubfacets(const FeatureTable<D>& features, MeshDiff* diff);
   void ReportSimplices(MeshDiff* diff);
 
-  template <class Refinement>
-  void InsertVertex(const Refinement& refinement, meshing::VertexIndex v);
+  void InsertVertex(const Source& mesher, meshing::VertexIndex v);
   void RecordSimplices();
   template <class F>
   void ForEachRenamed(F f) const;

@@ -24,20 +24,19 @@ void DiffBuilder<D>::AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexCo
 
 // Vertices with equal rows before and after are not reported.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
+void DiffBuilder<D>::ReportVertices(const Elements& elements, const FeatureTable<D>& features,
                                     MeshDiff* diff) {
   vertex_rows_.Clear();
   for (const VertexIndex v : vertices_.gone) {
-    vertex_rows_.gone.push_back(RowOf(OldId(v), refinement.vertex(v), features));
+    vertex_rows_.gone.push_back(RowOf(OldId(v), elements.vertex(v), features));
   }
   for (const VertexIndex v : vertices_.come) {
-    vertex_rows_.come.push_back(RowOf(names_.at(v), refinement.vertex(v), features));
+    vertex_rows_.come.push_back(RowOf(names_.at(v), elements.vertex(v), features));
   }
   for (const auto& r : renamed_) {
     if (!triangulation_.Contains(r.v)) continue;
-    vertex_rows_.gone.push_back(RowOf(r.old_id, refinement.vertex(r.v), features));
-    vertex_rows_.come.push_back(RowOf(names_.at(r.v), refinement.vertex(r.v), features));
+    vertex_rows_.gone.push_back(RowOf(r.old_id, elements.vertex(r.v), features));
+    vertex_rows_.come.push_back(RowOf(names_.at(r.v), elements.vertex(r.v), features));
   }
   NetAndHash(&vertex_rows_, &hash_);
   diff->removed_vertices.reserve(vertex_rows_.gone.size());
@@ -47,9 +46,8 @@ void DiffBuilder<D>::ReportVertices(const Refinement& refinement, const FeatureT
 }
 
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
-                                       const FeatureTable<D>& features, MeshDiff* diff) {
+void DiffBuilder<D>::ReportSubsegments(const Elements& elements, const FeatureTable<D>& features,
+                                       MeshDiff* diff) {
   subsegment_rows_.Clear();
   const auto goes = [&](const Subsegment& s) {
     subsegment_rows_.gone.push_back(
@@ -59,13 +57,13 @@ void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
     subsegment_rows_.come.push_back(
         ConstraintRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   };
-  for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
-  for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
+  for (const SubsegmentIndex s : subsegments_.gone) goes(elements.subsegment(s));
+  for (const SubsegmentIndex s : subsegments_.come) comes(elements.subsegment(s));
   if (!renamed_.empty()) {
-    refinement.elements().ForEachSubsegment([&](const Subsegment& s) {
+    elements.ForEachSubsegment([&](const Subsegment& s) {
       if (renamed_.Find(s.a) == nullptr && renamed_.Find(s.b) == nullptr) return;
       for (const SubsegmentIndex i : subsegments_.come) {
-        if (&refinement.subsegment(i) == &s) return;
+        if (&elements.subsegment(i) == &s) return;
       }
       goes(s);
       comes(s);
@@ -108,16 +106,16 @@ void DiffBuilder<D>::ReportSimplices(MeshDiff* diff) {
   NameRegions({&diff->removed_regions, &diff->added_regions}, &diff->region_sets);
 }
 
-template <int D>
-using Traced = meshing::Refinement<D, sac::Engine>;
-template void DiffBuilder<2>::ReportVertices(const Traced<2>&, const FeatureTable<2>&, MeshDiff*);
-template void DiffBuilder<2>::ReportSubsegments(const Traced<2>&, const FeatureTable<2>&,
-                                                MeshDiff*);
+template void DiffBuilder<2>::ReportVertices(const meshing::ElementStore<2>&,
+                                             const FeatureTable<2>&, MeshDiff*);
+template void DiffBuilder<2>::ReportSubsegments(const meshing::ElementStore<2>&,
+                                                const FeatureTable<2>&, MeshDiff*);
 template void DiffBuilder<2>::ReportSubfacets(const FeatureTable<2>&, MeshDiff*);
 template void DiffBuilder<2>::ReportSimplices(MeshDiff*);
-template void DiffBuilder<3>::ReportVertices(const Traced<3>&, const FeatureTable<3>&, MeshDiff*);
-template void DiffBuilder<3>::ReportSubsegments(const Traced<3>&, const FeatureTable<3>&,
-                                                MeshDiff*);
+template void DiffBuilder<3>::ReportVertices(const meshing::ElementStore<3>&,
+                                             const FeatureTable<3>&, MeshDiff*);
+template void DiffBuilder<3>::ReportSubsegments(const meshing::ElementStore<3>&,
+                                                const FeatureTable<3>&, MeshDiff*);
 template void DiffBuilder<3>::ReportSubfacets(const FeatureTable<3>&, MeshDiff*);
 template void DiffBuilder<3>::ReportSimplices(MeshDiff*);
 

@@ -44,7 +44,8 @@ class Anchors {
   using Lattice = AnchorLattice<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
 
-  Anchors(Complex<D, E>& complex, InputEditor<D, E>& input) : complex_(complex), input_(input) {}
+  Anchors(const Complex<D, E>& complex, InputEditor<D, E>& input)
+      : complex_(complex), input_(input) {}
 
   // Decides again the anchors that changes since the last propagation may affect. False if it was
   // interrupted: then the rest remains to be decided.
@@ -71,7 +72,7 @@ class Anchors {
   bool MayHaveLevel(int level, const Point& centre, double radius) const;
   void DecideAnchor(const typename Lattice::Node& node, const Point& x);
 
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
   absl::flat_hash_map<typename Lattice::Node, VertexIndex> anchors_;
   bool had_sizes_ = false;  // at the last Update

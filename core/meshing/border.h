@@ -15,18 +15,14 @@ namespace dynmesh::meshing {
 
 // The corners first: a triangulation begins with them.
 template <template <class> class E, class Input>
-void AddSquare(Complex<2, E>& complex, Input& input) {
+void AddSquare(const Complex<2, E>& complex, Input& input) {
   constexpr int kSide = 6, kPoints = 4 * kSide;
   const PlanarRules& rules = complex.rules;
   const auto points = geometry::SquareBorder(rules.lo(), rules.hi(), kSide, rules.grid_spacing());
   std::array<VertexIndex, kPoints> border;
   for (int i = 0; i < kPoints; i += kSide) border[i] = input.AddPoint(points[i], 0);
   for (int i = 0; i < kPoints; ++i) {
-    if (i % kSide == 0) {
-      complex.hints.near = border[i];
-    } else {
-      border[i] = input.AddPoint(points[i], 0);
-    }
+    if (i % kSide != 0) border[i] = input.AddPoint(points[i], 0);
   }
   for (int i = 0; i < kPoints; ++i) input.AddSegment(border[i], border[(i + 1) % kPoints], 0);
 }
@@ -42,13 +38,12 @@ void AddCube(const Complex<3, E>& complex, Input& input) {
 
 template <int D, template <class> class E, class Input>
 void AddBorder(Complex<D, E>& complex, Input& input) {
-  if (complex.triangulation != nullptr) complex.ResetToDomain(complex.triangulation);
+  if (complex.run.has_triangulation()) complex.ResetToDomain(&complex.run.triangulation());
   if constexpr (D == 2) {
     AddSquare(complex, input);
   } else {
     AddCube(complex, input);
   }
-  complex.border_only = true;
 }
 
 template <int D, class Input>

@@ -7,11 +7,15 @@
 #define DYNMESH_CORE_MESHING_COMPLETE_H_
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "core/meshing/candidate.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/edge_criterion.h"
+#include "core/meshing/emitter.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/idle_star.h"
@@ -30,13 +34,25 @@ class CompleteWork {
  public:
   using Context = ContextOf<D, E>;
 
-  explicit CompleteWork(Complex<D, E>& complex)
+  CompleteWork(const Complex<D, E>& complex, Emitter<D, E>& emitter)
       : complex_(complex),
+        emitter_(emitter),
         stars_(complex),
         idle_stars_(complex),
         search_(complex),
         facets_(complex) {}
   void Run(Context& context);
+
+  // In a global run: about the points that the last Run inserted, for their publication, which
+  // comes next (Refinement::PublishInGlobal). It decides epochs: with others the mesh is another
+  // one.
+  struct Filled {
+    // 2D: the triangle with the gap that the first point fills.
+    std::uint32_t triangle = TriangulationOf<D>::kNone;
+    // The bucket of the gap that a point fills, by the point's ordinal.
+    std::array<std::uint16_t, kMostOutputs> buckets = {};
+  };
+  const Filled& filled() const { return filled_; }
 
  private:
   using Link = LinkOf<D>;
@@ -53,12 +69,14 @@ class CompleteWork {
               int ordinal);
   void PrefetchBeyond(const Star<D>& star, const Link& link, int i) const;
 
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
+  Emitter<D, E>& emitter_;
   StarFinder<D, E> stars_;
   IdleStars<D, E> idle_stars_;
   EncroachmentSearch<D, E> search_;
   FacetWork<D, E> facets_;
   SkippedGaps<D> skipped_;
+  Filled filled_;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -134,7 +152,7 @@ bool CompleteWork<D, E>::MaySplitAll(std::span<const Encroached> encroached,
   }
   const bool can = std::ranges::all_of(
       encroached, [&](const auto& e) { return CanSplit(complex_, complex_.subsegment(e.s)); });
-  if (!can) complex_.hit_depth_limit = true;
+  if (!can) emitter_.NoteDepthLimit();
   return can;
 }
 
@@ -153,18 +171,18 @@ void CompleteWork<D, E>::Yield(Context& context, std::span<const Encroached> enc
 template <int D, template <class> class E>
 void CompleteWork<D, E>::Insert(Context& context, Star<D>& star, const Link* link,
                                 const Candidate<D>& gap, int ordinal) {
-  const bool is_read_off = complex_.is_global() && complex_.by_edge();
+  const bool is_global = complex_.is_global();
   if constexpr (D == 2) {
-    if (is_read_off && ordinal == 0) {
-      complex_.hints.triangle = link->corners[gap.corner].simplex;
+    if (is_global && ordinal == 0) {
+      filled_.triangle = link->corners[gap.corner].simplex;
       PrefetchBeyond(star, *link, gap.corner);
     }
   }
-  const VertexIndex x = EmitVertex(complex_, context, gap.x, ordinal, gap.facet == kNil ? D : 2,
-                                   gap.facet, gap.origin);
+  const VertexIndex x = emitter_.EmitVertex(context, gap.x, ordinal, gap.facet == kNil ? D : 2,
+                                            gap.facet, gap.origin);
   const int own = BucketOf(gap.e2);
-  if (is_read_off) {  // requested when x is published (FirstGaps)
-    complex_.hints.buckets[complex_.vertex(x).ordinal] = static_cast<std::uint16_t>(own);
+  if (is_global) {  // requested when x is published (FirstGaps)
+    filled_.buckets[static_cast<std::size_t>(ordinal)] = static_cast<std::uint16_t>(own);
   } else {
     RequestNoEarlierThanNow(complex_, context, x, own);
   }
@@ -177,7 +195,7 @@ template <int D, template <class> class E>
 void CompleteWork<D, E>::PrefetchBeyond(const Star<D>& star, const Link& link, int i) const {
   if constexpr (D == 2) {
     for (const int k : {star.Prev(i), i, star.Next(i)}) {
-      complex_.triangulation->PrefetchOpposite(link.corners[k]);
+      complex_.run.triangulation().PrefetchOpposite(link.corners[k]);
     }
   }
 }

@@ -1,6 +1,10 @@
-// The complex that refinement makes: its elements, the indices over them, and the input beside
-// which they are made. Procedures read it; what they emit changes it when it is published
-// (publisher.h). Nothing here notifies an operation.
+// The complex that refinement makes: its elements, the indices over them, the input beside which
+// they are made, and the run that makes them. Procedures see it const. These change it:
+//   emitter.h              new elements, not yet visible
+//   publisher.h            what becomes visible, and stops being so
+//   input_editor.h         the input, between runs
+//   input_triangulation.h, sliver_base.h   triangulations as a whole; which slivers there are
+// Nothing here notifies an operation.
 #ifndef DYNMESH_CORE_MESHING_COMPLEX_H_
 #define DYNMESH_CORE_MESHING_COMPLEX_H_
 
@@ -20,6 +24,7 @@
 #include "core/meshing/facet_field.h"
 #include "core/meshing/input_features.h"
 #include "core/meshing/refinement_terms.h"
+#include "core/meshing/run.h"
 #include "core/meshing/sharp_facets.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/sliver_table.h"
@@ -80,6 +85,12 @@ struct Complex {
 
   // --- What a vertex lies on ----------------------------------------------------------------
 
+  // The vertex whose Complete made v, or an end of the subsegment that was split at v. REQUIRES: a
+  // procedure but kCure made v.
+  VertexIndex MakerOf(VertexIndex v) const {
+    const sac::Item item = ItemOfCreator(v);
+    return vertex(v).dimension == 1 ? subsegment(item).a : item;
+  }
   // The subsegment that was split at v. REQUIRES: v has containing dimension 1.
   const Subsegment& SplitAt(VertexIndex v) const;
   // The ends of the input segment that v, of containing dimension 1, lies on.
@@ -121,11 +132,11 @@ struct Complex {
   // --- How neighbourhoods are found -----------------------------------------------------------
 
   bool by_edge() const { return rules.criterion() == Criterion::kEdge; }
-  // True if whole stars are read off a triangulation, untraced.
-  bool reads_off() const { return !kTraced && triangulation != nullptr; }
-  // True if, in addition, only vertices that own a gap have work. With facets all have: a facet may
-  // reach into any cell.
-  bool is_global() const { return reads_off() && facets.empty(); }
+  // What follows from the neighbourhoods of the run (run.h). Constants, if it is traced.
+  bool is_global() const { return !kTraced && run.neighbourhoods() == Neighbourhoods::kGlobal; }
+  // True if all vertices are in the tree. Else a triangulation answers everything except what a
+  // point encroaches on: the tree need only be as fine as the subsegments.
+  bool needs_tree() const { return kTraced || !run.has_triangulation(); }
   // Records that the operation reads what is in the box.
   void Subscribe(Context& context, const Extent<D>& box) const {
     if constexpr (kTraced) {
@@ -135,7 +146,7 @@ struct Complex {
   // Resets the triangulation to the domain's corners, which are the first vertices.
   void ResetToDomain(Triangulation* to) const;
   // True if the greatest number of vertices, subsegments or simplices is reached.
-  bool is_full() const { return triangulation_full || elements.is_full(); }
+  bool is_full() const { return run.filled_triangulation() || elements.is_full(); }
   std::size_t bytes() const;
 
   Rules rules;
@@ -148,19 +159,6 @@ struct Complex {
   sac::Subscriptions exposures;  // by place: subsegments with balls that meet the cell
   // Vertices published since the last completed propagation.
   std::vector<VertexIndex> appeared;
-  // Of all vertices present, in a run from scratch; else null.
-  Triangulation* triangulation;
-  // About the next vertex that is published, from the operation that makes it. `near` and `buckets`
-  // decide epochs (FirstGaps::FindOf): with others the mesh is another one. `triangle` saves
-  // searching only.
-  struct Hints {
-    VertexIndex near = 0;  // the operation's vertex, near the new one
-    // The triangle with the gap that it fills, if known.
-    std::uint32_t triangle = Triangulation::kNone;
-    // The bucket of the gap that a vertex last filled, by the vertex's ordinal in its operation.
-    std::array<std::uint16_t, kMostOutputs> buckets = {};
-  };
-  Hints hints;
 
   SizingField<D> sizing;
   InputFeatures<D> features;  // empty while there are only points
@@ -170,13 +168,8 @@ struct Complex {
   std::vector<VertexIndex> changed_base;
 
   bool border_only = true;  // no client segment has ever been added
-  // Vertices made later have greater indices, as in a run from scratch: operations come in the
-  // order of time, and no index is used twice.
-  bool numbers_by_age = !kTraced;
-  VertexIndex first_made = 0;  // vertices of the input have lower indices
-  // An insertion or a split was refused because it would be finer than limits allow.
-  bool hit_depth_limit = false;
-  bool triangulation_full = false;
+
+  meshing::Run<D> run;
 
  private:
   bool IsOlder(const Vertex& u, const Vertex& v) const;
@@ -202,19 +195,19 @@ Complex<D, E>::Complex(const MeshOptions& options, const Engine& times, Triangul
       engine(times),
       tree(rules.lo(), rules.hi()),
       cured(rules.lo(), rules.hi()),
-      triangulation(given),
       sizing(rules.lo(), rules.hi()),
       features(rules.lo(), rules.hi()),
       facets(internal::FacetBox(rules.lo()), internal::FacetBox(rules.hi())),
-      slivers(D == 3 ? std::max(options.min_dihedral, kFlat) : 0) {}
+      slivers(D == 3 ? std::max(options.min_dihedral, kFlat) : 0),
+      run(given, kTraced, rules.criterion()) {}
 
 // In a run from scratch the indices decide, unless both vertices are of the input or of the same
 // segment work. Then u's record, which is anywhere in memory, is not read.
 template <int D, template <class> class E>
 inline bool Complex<D, E>::IsOlder(VertexIndex u, VertexIndex v) const {
-  if (!kTraced || numbers_by_age) {
+  if (!kTraced || run.numbers_by_age()) {
     const sac::Epoch birth = vertex(v).epoch;
-    if (IsQualityEpoch(birth) || (birth == kBirthOfInput && u >= first_made)) {
+    if (IsQualityEpoch(birth) || (birth == kBirthOfInput && u >= run.first_made())) {
       assert((u < v) == IsOlder(vertex(u), vertex(v)));
       return u < v;
     }

@@ -27,6 +27,7 @@
 #include "core/geometry/space_predicates.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/cure_candidates.h"
+#include "core/meshing/emitter.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/read_cover.h"
@@ -55,8 +56,8 @@ class CureWork {
   using Point = geometry::Point<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
 
-  explicit CureWork(Complex<D, E>& complex)
-      : complex_(complex), search_(complex), facets_(complex) {}
+  CureWork(const Complex<D, E>& complex, Emitter<D, E>& emitter)
+      : complex_(complex), emitter_(emitter), search_(complex), facets_(complex) {}
   void Run(Context& context);
 
  private:
@@ -102,7 +103,8 @@ class CureWork {
   bool IsGoodCorner(int i, const Sliver& sliver) const;
   void AddCornerTo(Reads* reads, int i) const;
 
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
+  Emitter<D, E>& emitter_;
   EncroachmentSearch<D, E> search_;
   FacetWork<D, E> facets_;
   // Scratch.
@@ -128,7 +130,7 @@ void CureWork<D, E>::Run(Context& context) {
       const auto emit_if_good = [&](std::uint32_t ordinal, const Point& x, FeatureSlot facet) {
         reads.candidate = ordinal;
         if (!Suits(context, sliver, x, facet, &reads)) return false;
-        EmitVertex(complex_, context, x, 0, facet == kNil ? 3 : 2, facet);
+        emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
         return true;
       };
       const CandidatesTried tried = ForEachCandidate(complex_, sliver, emit_if_good);

@@ -66,7 +66,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
   const Point &a = complex_.vertex(sub.a).p, &b = complex_.vertex(sub.b).p;
   witnesses_.clear();
   on_surface_.clear();
-  if (D == 2 && complex_.reads_off()) {
+  if (D == 2 && !complex_.needs_tree()) {
     if (!IsEncroachedInTriangulation(sub)) return std::nullopt;
     return witnesses_;
   }
@@ -121,7 +121,7 @@ template <int D, template <class> class E>
 bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub) const {
   if constexpr (D == 2) {
     const Point &a = complex_.vertex(sub.a).p, &b = complex_.vertex(sub.b).p;
-    const auto first = complex_.triangulation->Around(sub.a);
+    const auto first = complex_.run.triangulation().Around(sub.a);
     auto corner = first;
     bool is_edge = false;
     auto in_ball = [&](VertexIndex c) {
@@ -129,12 +129,12 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
              geometry::InDiametralBall(a, b, complex_.vertex(c).p);
     };
     do {
-      const auto& tri = complex_.triangulation->vertices(corner.simplex);
+      const auto& tri = complex_.run.triangulation().vertices(corner.simplex);
       const VertexIndex right = tri[corner.index == 2 ? 0 : corner.index + 1];
       const VertexIndex left = tri[corner.index == 0 ? 2 : corner.index - 1];
       if (right == sub.b) is_edge = true;
       if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
-      corner = complex_.triangulation->NextAround(corner);
+      corner = complex_.run.triangulation().NextAround(corner);
     } while (corner.simplex != first.simplex);
     return !is_edge && Counts(RefinementTerm::kHidingSplits);
   }

@@ -54,7 +54,7 @@ class FacetAnchors {
  public:
   using Point = geometry::Point<D>;
 
-  FacetAnchors(Complex<D, E>& complex, InputEditor<D, E>& input)
+  FacetAnchors(const Complex<D, E>& complex, InputEditor<D, E>& input)
       : complex_(complex), input_(input) {}
 
   // Decides again the anchors that changes since the last propagation may affect. False if it was
@@ -84,7 +84,7 @@ class FacetAnchors {
               absl::FunctionRef<bool()> interrupt);
   void DecideAnchor(FacetIndex facet, const FacetLattice::Index& index, const Point& x, bool is);
 
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
   absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>> anchors_;
 };

@@ -1,4 +1,4 @@
-// Untraced, with a triangulation and without facets: only vertices that own a gap are ever queued.
+// In a global run (run.h) only vertices that own a gap are ever queued.
 //
 // Once the input's subsegments are settled, all present gaps are found at once, triangle by
 // triangle; later gaps when their owner, the newborn, is published. The segment work of bucket 0
@@ -30,11 +30,11 @@ class FirstGaps {
   // Requests the Completes of all vertices that own a gap. Call when the input's subsegments are
   // settled. Later calls do nothing.
   void FindAll();
-  // Requests v's Complete if v owns a gap. v has just been inserted by the Complete of hints.near,
-  // so it owns all its edges. Its first Complete is not before the bucket of its nearest
-  // neighbours, the vertices of the gap that it fills, as in a traced run. By rounding the third
-  // corner may be slightly nearer, and in an earlier bucket.
-  void FindOf(VertexIndex v);
+  // Requests v's Complete if v owns a gap. A Complete has just inserted v, so v owns all its edges.
+  // Its first Complete is not before bucket `least`, that of its nearest neighbours, the vertices
+  // of the gap that it fills, as in a traced run. By rounding the third corner may be slightly
+  // nearer, and in an earlier bucket.
+  void FindOf(VertexIndex v, int least);
 
  private:
   const Complex<D, E>& complex_;
@@ -46,9 +46,9 @@ class FirstGaps {
 
 template <int D, template <class> class E>
 void FirstGaps<D, E>::RequestAll() {
-  if (complex_.is_global() && complex_.by_edge()) {
+  if (complex_.is_global()) {
     engine_.Request(kNearest, 0, NearestEpoch());
-  } else if (complex_.triangulation != nullptr) {
+  } else if (complex_.run.has_triangulation()) {
     for (VertexIndex v = 0; v < complex_.elements.vertex_end(); ++v)
       engine_.Request(kNearest, v, NearestEpoch());
   }
@@ -60,24 +60,24 @@ void FirstGaps<D, E>::FindAll() {
   std::vector<std::uint16_t> first(complex_.elements.vertex_end(), kBuckets);
   if constexpr (D == 2) {
     const TriangleGaps<E> gaps(complex_);
-    complex_.triangulation->ForEachSimplex([&](auto t) {
-      const auto& v = complex_.triangulation->vertices(t);
+    complex_.run.triangulation().ForEachSimplex([&](auto t) {
+      const auto& v = complex_.run.triangulation().vertices(t);
       for (int i = 0; i < 3; ++i) {
-        const VertexIndex p = v[complex_.triangulation->NextIndex(i)],
-                          q = v[complex_.triangulation->PreviousIndex(i)];
+        const VertexIndex p = v[complex_.run.triangulation().NextIndex(i)],
+                          q = v[complex_.run.triangulation().PreviousIndex(i)];
         // The vertex beyond the edge is rarely needed.
         if (gaps.BucketOf(p, q, v[i], TriangulationOf<D>::kInfinite) == kBuckets) continue;
-        const auto across = complex_.triangulation->Opposite({t, i});
+        const auto across = complex_.run.triangulation().Opposite({t, i});
         const int bucket = gaps.BucketOf(
-            p, q, v[i], complex_.triangulation->vertices(across.simplex)[across.index]);
+            p, q, v[i], complex_.run.triangulation().vertices(across.simplex)[across.index]);
         auto& owners = first[complex_.IsOlder(p, q) ? q : p];
         owners = std::min(owners, static_cast<std::uint16_t>(bucket));
       }
     });
   } else {
     const TetrahedronGaps<E> gaps(complex_);
-    complex_.triangulation->ForEachSimplex([&](auto t) {
-      const auto& corners = complex_.triangulation->vertices(t);
+    complex_.run.triangulation().ForEachSimplex([&](auto t) {
+      const auto& corners = complex_.run.triangulation().vertices(t);
       const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < i; ++j) {
@@ -98,15 +98,15 @@ void FirstGaps<D, E>::FindAll() {
 }
 
 template <int D, template <class> class E>
-void FirstGaps<D, E>::FindOf(VertexIndex v) {
+void FirstGaps<D, E>::FindOf(VertexIndex v, int least) {
   int first = kBuckets;
-  const auto created = complex_.triangulation->created();
+  const auto created = complex_.run.triangulation().created();
   if constexpr (D == 2) {
     const TriangleGaps<E> gaps(complex_);
-    VertexIndex right = complex_.triangulation->vertices(created.back())[0];
+    VertexIndex right = complex_.run.triangulation().vertices(created.back())[0];
     for (const auto t : created) {
-      const VertexIndex u = complex_.triangulation->vertices(t)[0],
-                        left = complex_.triangulation->vertices(t)[1];
+      const VertexIndex u = complex_.run.triangulation().vertices(t)[0],
+                        left = complex_.run.triangulation().vertices(t)[1];
       if (u != TriangulationOf<D>::kInfinite) {
         first =
             std::min({first, gaps.BucketOf(v, u, left, right), gaps.BucketOf(u, v, right, left)});
@@ -116,16 +116,16 @@ void FirstGaps<D, E>::FindOf(VertexIndex v) {
   } else {
     const TetrahedronGaps<E> gaps(complex_);
     for (const auto t : created) {
-      if (complex_.triangulation->IsInfinite(t)) continue;
-      const auto& corners = complex_.triangulation->vertices(t);
+      if (complex_.run.triangulation().IsInfinite(t)) continue;
+      const auto& corners = complex_.run.triangulation().vertices(t);
       const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 3; ++i) first = std::min(first, gaps.BucketOf(v, corners[i], r2));
     }
   }
   if (first == kBuckets) return;
-  first = std::max<int>(first, complex_.hints.buckets[complex_.vertex(v).ordinal]);
+  first = std::max(first, least);
   engine_.Request(kComplete, v,
-                  NoEarlierThan(complex_, complex_.vertex(v).epoch, complex_.hints.near, v, first));
+                  NoEarlierThan(complex_, complex_.vertex(v).epoch, complex_.MakerOf(v), v, first));
 }
 
 }  // namespace dynmesh::meshing

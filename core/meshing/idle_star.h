@@ -70,7 +70,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     context.payload().flag = 0;
     if constexpr (D == 2) {
       for (const auto corner : link.corners)
-        context.Read(complex_.triangulation->NextVertex(corner));
+        context.Read(complex_.run.triangulation().NextVertex(corner));
     } else {
       WriteStar(link, [&](std::uint32_t word) { context.Read(word); });
     }
@@ -101,18 +101,20 @@ bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, ReadCover<D>* c
     for (const auto corner : link.corners) {
       const auto t = corner.simplex;
       const double facing2 = geometry::SquaredDistance(
-          complex_.triangulation->position(complex_.triangulation->NextVertex(corner)),
-          complex_.triangulation->position(complex_.triangulation->PreviousVertex(corner)));
-      const double r2 = complex_.triangulation->squared_circumradius(t), radius = std::sqrt(r2);
+          complex_.run.triangulation().position(complex_.run.triangulation().NextVertex(corner)),
+          complex_.run.triangulation().position(
+              complex_.run.triangulation().PreviousVertex(corner)));
+      const double r2 = complex_.run.triangulation().squared_circumradius(t),
+                   radius = std::sqrt(r2);
       // sin(angle at v) = facing / (2 r) > 1 / 1000. Circles are known (MayHaveGap).
       if (!(facing2 > 4e-6 * r2) || !(radius < most_radius)) return false;
       largest = std::max(largest, radius);
-      cover->AddBall(complex_.triangulation->circumcenter(t), radius, margin);
+      cover->AddBall(complex_.run.triangulation().circumcenter(t), radius, margin);
     }
     *doubt = 4e-7 * largest;
   } else {
     for (const auto t : link.simplices) {
-      const auto sphere = complex_.triangulation->SphereOf(t);
+      const auto sphere = complex_.run.triangulation().SphereOf(t);
       const double radius = std::sqrt(sphere.high);
       if (!(radius < most_radius)) return false;
       *doubt = std::max(*doubt, (sphere.high - sphere.low) / radius);  // about 4e-7 R, from the
@@ -127,22 +129,22 @@ bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, ReadCover<D>* c
 template <int D, template <class> class E>
 bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
   if constexpr (D == 2) {
-    const Point& p = complex_.triangulation->position(v);
+    const Point& p = complex_.run.triangulation().position(v);
     // An edge has no gap if its circles have at most this squared radius. Two conditions that may
     // exclude a gap are left out: on which side of the edge the centre lies, and the apex beyond
     // the edge.
     const auto most_near2 = [&](VertexIndex u) {
       return complex_.rules.MostNear2(
-                 geometry::SquaredDistance(complex_.triangulation->position(u), p)) *
+                 geometry::SquaredDistance(complex_.run.triangulation().position(u), p)) *
              kNarrower;
     };
-    VertexIndex u = complex_.triangulation->NextVertex(link.corners.front());
+    VertexIndex u = complex_.run.triangulation().NextVertex(link.corners.front());
     if (u == TriangulationOf<D>::kInfinite) return true;
     double near2 = most_near2(u);
     for (const auto corner : link.corners) {
-      const VertexIndex left = complex_.triangulation->PreviousVertex(corner);
-      const double r2 = complex_.triangulation->squared_circumradius(corner.simplex);
-      if (!(complex_.triangulation->circle_error(corner.simplex) < 1e-8 * r2))
+      const VertexIndex left = complex_.run.triangulation().PreviousVertex(corner);
+      const double r2 = complex_.run.triangulation().squared_circumradius(corner.simplex);
+      if (!(complex_.run.triangulation().circle_error(corner.simplex) < 1e-8 * r2))
         return true;  // or infinite
       const double left_near2 = most_near2(left);
       if (r2 > near2 && complex_.IsOlder(u, v)) return true;
@@ -157,14 +159,15 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     if (!link.is_closed || neighbours.size() > kMost) return true;
     std::array<double, kMost> most_near2;  // by neighbour
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
-      const double d2 = geometry::SquaredDistance(complex_.triangulation->position(neighbours[i]),
-                                                  complex_.triangulation->position(v));
+      const double d2 =
+          geometry::SquaredDistance(complex_.run.triangulation().position(neighbours[i]),
+                                    complex_.run.triangulation().position(v));
       most_near2[i] = complex_.rules.MostNear2(d2) * kNarrower;
     }
     for (std::size_t i = 0; i < link.triangles.size(); ++i) {
       const auto t = link.simplices[i];
-      if (!complex_.triangulation->HasSphere(t)) return true;
-      const double r2 = complex_.triangulation->SphereOf(t).high;
+      if (!complex_.run.triangulation().HasSphere(t)) return true;
+      const double r2 = complex_.run.triangulation().SphereOf(t).high;
       for (const int u : link.triangles[i]) {
         if (r2 > most_near2[u] && complex_.IsOlder(neighbours[u], v)) return true;
       }

@@ -74,6 +74,7 @@ class InputEditor {
   bool indexes_features_ = false;
   Changes changes_;
   std::vector<VertexIndex> pending_;
+  VertexIndex near_ = 0;  // 2D: the last vertex inserted into the triangulation, if there is one
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -99,18 +100,18 @@ VertexIndex InputEditor<D, E>::AddVertex(const Point& p, int dimension, FeatureS
   vertex.feature = feature;
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   complex_.SetPresent(v, true);
-  if (kTraced && complex_.triangulation == nullptr) complex_.appeared.push_back(v);
-  if (!complex_.reads_off() || !complex_.border_only) complex_.tree.Insert(v, p);
-  if (complex_.triangulation != nullptr && !complex_.triangulation->Contains(v)) {
+  if (kTraced && !complex_.run.has_triangulation()) complex_.appeared.push_back(v);
+  if (complex_.needs_tree() || !complex_.border_only) complex_.tree.Insert(v, p);
+  if (complex_.run.has_triangulation() && !complex_.run.triangulation().Contains(v)) {
     if constexpr (D == 2) {
-      complex_.triangulation->Insert(v, p, complex_.hints.near);
-      complex_.hints.near = v;
+      complex_.run.triangulation().Insert(v, p, near_);
+      near_ = v;
     } else {
       pending_.push_back(v);
     }
   }
   notifier_.OfVertex(v, true, engine_.beginning());
-  if (kTraced || complex_.triangulation == nullptr) engine_.Request(kNearest, v, NearestEpoch());
+  if (complex_.needs_tree()) engine_.Request(kNearest, v, NearestEpoch());
   return v;
 }
 
@@ -128,7 +129,7 @@ void InputEditor<D, E>::RemovePoint(VertexIndex v) {
 template <int D, template <class> class E>
 SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                                               const SegmentShape& shape) {
-  if (complex_.reads_off() && complex_.border_only && feature != 0) {
+  if (!complex_.needs_tree() && complex_.border_only && feature != 0) {
     // So far nothing needed the tree. Subsegments are found through it.
     for (VertexIndex v = 0; v < complex_.elements.vertex_end(); ++v) {
       complex_.tree.Insert(v, complex_.vertex(v).p);
@@ -188,6 +189,7 @@ FacetIndex InputEditor<D, E>::AddFacet(std::span<const std::vector<VertexIndex>>
   if constexpr (D == 3) {
     const FacetIndex index = complex_.facets.Add(
         Facet(rings, feature, [this](VertexIndex v) { return complex_.vertex(v).p; }));
+    complex_.run.MeetFacet();
     changes_.facets.push_back(complex_.facets[index]);
     changes_.new_facets.push_back(index);
     return index;

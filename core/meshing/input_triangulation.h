@@ -32,9 +32,9 @@ class InputTriangulation {
  private:
   bool IsLarge() const {
     constexpr std::size_t kMostPerVertex = 16;
-    return complex_.triangulation->is_full() ||
-           complex_.triangulation->simplex_count() >
-               kMostPerVertex * complex_.triangulation->vertex_count() + 10'000;
+    return complex_.run.triangulation().is_full() ||
+           complex_.run.triangulation().simplex_count() >
+               kMostPerVertex * complex_.run.triangulation().vertex_count() + 10'000;
   }
   void Leave();
   // From now on neighbourhoods are found without a triangulation.
@@ -50,7 +50,7 @@ class InputTriangulation {
 template <int D, template <class> class E>
 bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
-    if (complex_.triangulation == nullptr || input_.pending().empty()) return true;
+    if (!complex_.run.has_triangulation() || input_.pending().empty()) return true;
     constexpr std::size_t kFirst = 512, kAtOnce = 2048;
     std::vector<VertexIndex> part;
     std::vector<geometry::Point<D>> positions;
@@ -70,8 +70,8 @@ bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
       for (std::size_t from = 0; from < part.size(); from += kAtOnce) {
         if (interrupt()) return false;
         const std::size_t count = std::min(kAtOnce, part.size() - from);
-        complex_.triangulation->InsertAll(std::span(part).subspan(from, count),
-                                          std::span(positions).subspan(from, count));
+        complex_.run.triangulation().InsertAll(std::span(part).subspan(from, count),
+                                               std::span(positions).subspan(from, count));
       }
       if (IsLarge()) {
         Leave();
@@ -97,8 +97,8 @@ void InputTriangulation<D, E>::Leave() {
 
 template <int D, template <class> class E>
 void InputTriangulation<D, E>::Drop() {
-  complex_.ResetToDomain(complex_.triangulation);
-  complex_.triangulation = nullptr;
+  complex_.ResetToDomain(&complex_.run.triangulation());
+  complex_.run.LeaveTriangulation();
 }
 
 }  // namespace dynmesh::meshing

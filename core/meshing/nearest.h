@@ -61,7 +61,7 @@ void NearestWork<D, E>::Run(Context& context) {
 
 template <int D, template <class> class E>
 typename NearestWork<D, E>::Near NearestWork<D, E>::Find(const Context& context, VertexIndex v) {
-  if (complex_.triangulation != nullptr) {
+  if (complex_.run.has_triangulation()) {
     if (all_.empty()) FindAll();
     return all_[v];
   }
@@ -82,13 +82,13 @@ typename NearestWork<D, E>::Near NearestWork<D, E>::Find(const Context& context,
 template <int D, template <class> class E>
 void NearestWork<D, E>::FindAll() {
   all_.assign(complex_.elements.vertex_end(), {});
-  complex_.triangulation->ForEachSimplex([&](auto t) {
-    const auto& corners = complex_.triangulation->vertices(t);
+  complex_.run.triangulation().ForEachSimplex([&](auto t) {
+    const auto& corners = complex_.run.triangulation().vertices(t);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         const VertexIndex p = corners[i], q = corners[j];
-        const double d2 = geometry::SquaredDistance(complex_.triangulation->position(p),
-                                                    complex_.triangulation->position(q));
+        const double d2 = geometry::SquaredDistance(complex_.run.triangulation().position(p),
+                                                    complex_.run.triangulation().position(q));
         if (d2 < all_[p].d2) all_[p] = {d2, q};
         if (d2 < all_[q].d2) all_[q] = {d2, p};
       }

@@ -30,7 +30,7 @@ class TriangleGaps {
   int BucketOf(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
     constexpr VertexIndex kInfinite = delaunay::DelaunayTriangulation::kInfinite;
     if (c == kInfinite) return kBuckets;  // beyond the border
-    const auto at = [&](VertexIndex v) { return &complex_.triangulation->position(v); };
+    const auto at = [&](VertexIndex v) { return &complex_.run.triangulation().position(v); };
     const double e2 = geometry::SquaredDistance(*at(p), *at(q));
     const Gap gap = Of(p, *at(p), q, *at(q), e2, c, at(c), d == kInfinite ? nullptr : at(d));
     return gap == Gap::kNone ? kBuckets : meshing::BucketOf(e2);

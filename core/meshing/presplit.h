@@ -17,6 +17,7 @@
 #include "core/geometry/constructions.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/emitter.h"
 #include "core/meshing/refinement_terms.h"
 #include "core/meshing/splits.h"
 
@@ -58,11 +59,13 @@ class PresplitRules {
 template <int D, template <class> class E>
 class PresplitWork {
  public:
-  explicit PresplitWork(Complex<D, E>& complex) : complex_(complex), rules_(complex) {}
+  PresplitWork(const Complex<D, E>& complex, Emitter<D, E>& emitter)
+      : complex_(complex), emitter_(emitter), rules_(complex) {}
   void Run(ContextOf<D, E>& context);
 
  private:
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
+  Emitter<D, E>& emitter_;
   PresplitRules<D, E> rules_;
 };
 
@@ -163,7 +166,7 @@ void PresplitWork<D, E>::Run(ContextOf<D, E>& context) {
   if (!(is_too_near || rules_.IsTooLong(sub)) || !CanSplit(complex_, sub)) {
     return context.Request(kCheck, s, FirstCheckEpoch());
   }
-  const auto [v, halves] = EmitHalves(complex_, context, s);
+  const auto [v, halves] = emitter_.EmitHalves(context, s);
   const sac::Epoch next = PresplitEpoch(complex_.subsegment(halves[0]).depth);
   for (const SubsegmentIndex half : halves) context.Request(kPresplit, half, next);
   context.Request(kNearest, v, NearestEpoch());

@@ -14,10 +14,7 @@
 namespace dynmesh::meshing {
 
 // Makes what operations emit visible: during a propagation vertices and exposures of subsegments
-// come and go here only. Others that write to the complex then: operations make new elements
-// (splits.h), note what they decide (hints, marks of gaps that are left, of slivers and of limits
-// that are met: complete.h, segments.h, sliver_base.h), and the triangulation of the input is made
-// as a whole (input_triangulation.h). Thread-compatible.
+// come and go here only. complex.h lists what else changes the complex. Thread-compatible.
 template <int D, template <class> class E>
 class Publisher {
  public:
@@ -29,16 +26,17 @@ class Publisher {
       : complex_(complex), engine_(engine), notifier_(notifier) {}
 
   // Makes the output visible from time `at` on. Returns true for a vertex that was inserted into
-  // the triangulation.
-  bool Publish(sac::Output output, sac::Stamp at);
+  // the triangulation. `triangle`: the one that holds the vertex, if it is known.
+  bool Publish(sac::Output output, sac::Stamp at,
+               std::uint32_t triangle = TriangulationOf<D>::kNone);
   void Withdraw(sac::Output output, sac::Stamp at);
   // The output's index becomes free when changes are taken.
   void Release(sac::Output output);
   void WithdrawVertex(VertexIndex v, sac::Stamp at);
 
  private:
-  bool PublishVertex(VertexIndex v, sac::Stamp at);
-  bool InsertIntoTriangulation(VertexIndex v);
+  bool PublishVertex(VertexIndex v, sac::Stamp at, std::uint32_t triangle);
+  bool InsertIntoTriangulation(VertexIndex v, std::uint32_t triangle);
   // Leaves merge into their parent: their subscribers now subscribe at the parent.
   void MoveSubscribers(std::uint32_t first_child, std::uint32_t parent);
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
@@ -53,11 +51,11 @@ class Publisher {
 // --- Implementation -------------------------------------------------------------------------
 
 template <int D, template <class> class E>
-bool Publisher<D, E>::Publish(sac::Output output, sac::Stamp at) {
+bool Publisher<D, E>::Publish(sac::Output output, sac::Stamp at, std::uint32_t triangle) {
   const std::uint32_t i = IndexOf(output);
   switch (WhatOf(output)) {
     case Made::kVertex:
-      return PublishVertex(i, at);
+      return PublishVertex(i, at, triangle);
     case Made::kSubsegment:
       break;  // visible when its Check exposes it
     case Made::kExposure:
@@ -137,34 +135,30 @@ void Publisher<D, E>::Release(sac::Output output) {
 }
 
 template <int D, template <class> class E>
-bool Publisher<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
+bool Publisher<D, E>::PublishVertex(VertexIndex v, sac::Stamp at, std::uint32_t triangle) {
   const Vertex<D>& vertex = complex_.vertex(v);
-  // Where a triangulation answers everything except what a point encroaches on, the tree need only
-  // be as fine as the subsegments.
   const bool is_of_cure = IsOfCure(vertex);
   if (is_of_cure) {
     complex_.cured.Insert(v, vertex.p);
-  } else if (!complex_.reads_off() || (vertex.dimension < D && !complex_.border_only)) {
+  } else if (complex_.needs_tree() || (vertex.dimension < D && !complex_.border_only)) {
     complex_.tree.Insert(v, vertex.p);
   }
-  const bool is_in = InsertIntoTriangulation(v);
+  const bool is_in = InsertIntoTriangulation(v, triangle);
   complex_.SetPresent(v, true);
-  if (kTraced && complex_.triangulation == nullptr && !is_of_cure) complex_.appeared.push_back(v);
+  if (kTraced && !complex_.run.has_triangulation() && !is_of_cure) complex_.appeared.push_back(v);
   notifier_.OfVertex(v, true, at);
   return is_in;
 }
 
 // False if there is no triangulation, or if it is full.
 template <int D, template <class> class E>
-bool Publisher<D, E>::InsertIntoTriangulation(VertexIndex v) {
-  if (complex_.triangulation == nullptr) return false;
+bool Publisher<D, E>::InsertIntoTriangulation(VertexIndex v, std::uint32_t triangle) {
+  if (!complex_.run.has_triangulation()) return false;
   const Point& p = complex_.vertex(v).p;
-  const auto known = std::exchange(complex_.hints.triangle, TriangulationOf<D>::kNone);
-  complex_.triangulation->InsertAt(v, p,
-                                   known != TriangulationOf<D>::kNone
-                                       ? known
-                                       : complex_.triangulation->Locate(p, complex_.hints.near));
-  if (complex_.triangulation->is_full()) complex_.triangulation_full = true;
+  auto& triangulation = complex_.run.triangulation();
+  const bool is_known = triangle != TriangulationOf<D>::kNone;
+  triangulation.InsertAt(v, p, is_known ? triangle : triangulation.Locate(p, complex_.MakerOf(v)));
+  if (triangulation.is_full()) complex_.run.NoteFullTriangulation();
   return !complex_.is_full();
 }
 

@@ -6,11 +6,14 @@
 #include "core/meshing/border.h"
 #include "core/meshing/complete.h"
 #include "core/meshing/cure.h"
+#include "core/meshing/emitter.h"
 #include "core/meshing/facet_anchors.h"
+#include "core/meshing/facet_membership.h"
 #include "core/meshing/first_gaps.h"
 #include "core/meshing/input_editor.h"
 #include "core/meshing/input_triangulation.h"
 #include "core/meshing/nearest.h"
+#include "core/meshing/neighbours.h"
 #include "core/meshing/notifier.h"
 #include "core/meshing/order.h"
 #include "core/meshing/presplit.h"
@@ -31,11 +34,12 @@ struct Refinement<D, E>::Parts {
         facet_anchors(complex, input),
         first_gaps(complex, engine),
         sliver_base(complex, engine, domain),
-        presplit(complex),
-        segments(complex),
+        emitter(complex),
+        presplit(complex, emitter),
+        segments(complex, emitter),
         nearest(complex),
-        complete(complex),
-        cure(complex) {}
+        complete(complex, emitter),
+        cure(complex, emitter) {}
 
   Notifier<D, E> notifier;
   Publisher<D, E> publisher;
@@ -47,6 +51,7 @@ struct Refinement<D, E>::Parts {
   FirstGaps<D, E> first_gaps;
   SliverBase<D, E> sliver_base;
 
+  Emitter<D, E> emitter;
   PresplitWork<D, E> presplit;
   SegmentWork<D, E> segments;
   NearestWork<D, E> nearest;
@@ -72,7 +77,7 @@ template <int D, template <class> class E>
 void Refinement<D, E>::Reserve(std::size_t points) {
   const std::size_t vertices = 2 * points;
   complex_.elements.ReserveVertices(vertices);
-  if (complex_.triangulation != nullptr) complex_.triangulation->Reserve(vertices);
+  if (complex_.run.has_triangulation()) complex_.run.triangulation().Reserve(vertices);
   if constexpr (kTraced) {
     complex_.tree.Reserve(vertices);
     engine_.Reserve(2 * vertices, D == 2 ? 16 : 24);
@@ -122,6 +127,21 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   parts_->input.RemoveFacet(index);
 }
 
+// --- Results ----------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+void Refinement<D, E>::ForSomeNeighbours(VertexIndex v,
+                                         absl::FunctionRef<bool(VertexIndex)> f) const {
+  meshing::ForSomeNeighbours(complex_, v, f);
+}
+
+template <int D, template <class> class E>
+FeatureSlot Refinement<D, E>::FacetAt(VertexIndex a, VertexIndex b, VertexIndex c,
+                                      VertexIndex d) const {
+  const FacetIndex facet = FacetOf(complex_, a, b, c, d);
+  return facet == kNil ? kNil : complex_.facets[facet].feature();
+}
+
 // --- Propagation ------------------------------------------------------------------------
 
 template <int D, template <class> class E>
@@ -154,22 +174,23 @@ bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
   changes.features.clear();
   changes.facets.clear();
   changes.begun = false;
+  bool numbers_by_age = complex_.run.numbers_by_age();
   if constexpr (kTraced) {
-    complex_.numbers_by_age = engine_.IsFromScratch() && !complex_.elements.has_free_vertices();
+    numbers_by_age = engine_.IsFromScratch() && !complex_.elements.has_free_vertices();
   }
-  complex_.first_made = complex_.elements.vertex_end();
+  complex_.run.Begin(numbers_by_age, complex_.elements.vertex_end());
   return true;
 }
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::BeginCures(absl::FunctionRef<bool()> interrupt) {
-  complex_.numbers_by_age = false;
+  complex_.run.EndNumbersByAge();
   return parts_->sliver_base.Update(interrupt);
 }
 
 template <int D, template <class> class E>
 void Refinement<D, E>::End(bool is_done) {
-  complex_.numbers_by_age = false;
+  complex_.run.EndNumbersByAge();
   if (is_done) {
     complex_.appeared.clear();
     if (complex_.slivers.is_on()) complex_.slivers.Forget();
@@ -179,7 +200,7 @@ void Refinement<D, E>::End(bool is_done) {
 
 template <int D, template <class> class E>
 void Refinement<D, E>::ForgetDepthLimit() {
-  complex_.hit_depth_limit = complex_.triangulation_full = false;
+  complex_.run.ForgetLimits();
   complex_.elements.ForgetFull();
 }
 
@@ -210,22 +231,18 @@ bool Refinement<D, E>::Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, s
 
 template <int D, template <class> class E>
 void Refinement<D, E>::Execute(Context& context) {
-  const auto set_near = [&] { complex_.hints.near = complex_.subsegment(context.item).a; };
   switch (context.kind) {
     case kNearest:
       ++nearest_run_;
-      if (complex_.is_global() && complex_.by_edge()) return parts_->first_gaps.FindAll();
+      if (complex_.is_global()) return parts_->first_gaps.FindAll();
       return parts_->nearest.Run(context);
     case kComplete:
-      complex_.hints.near = context.item;
       return parts_->complete.Run(context);
     case kCheck:
     case kRecheck:
     case kSplit:
-      set_near();
       return parts_->segments.Run(context);
     case kPresplit:
-      set_near();
       return parts_->presplit.Run(context);
     case kCure:
       return parts_->cure.Run(context);
@@ -236,22 +253,34 @@ template <int D, template <class> class E>
 void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
   if (step == 0 && kind <= kComplete) __builtin_prefetch(&vertex(item));
   if (kind != kComplete) return;
-  if (complex_.triangulation != nullptr) complex_.triangulation->PrefetchAround(item, step);
+  if (complex_.run.has_triangulation()) complex_.run.triangulation().PrefetchAround(item, step);
 }
 
 template <int D, template <class> class E>
 void Refinement<D, E>::Publish(sac::Output output, sac::Stamp at) {
+  if (complex_.is_global()) return PublishInGlobal(output, at);
   const bool is_in = parts_->publisher.Publish(output, at);
-  const VertexIndex v = IndexOf(output);
   // Until then vertices are of the input and its segments, and so in the tree. With facets each has
   // an operation of its own.
-  if (is_in && !complex_.facets.empty() && vertex(v).epoch < NearestEpoch()) {
+  if (is_in && !complex_.facets.empty() && vertex(IndexOf(output)).epoch < NearestEpoch()) {
     parts_->input_triangulation.LeaveIfLarge();
   }
-  if constexpr (!kTraced) {
-    if (is_in && complex_.is_global() && complex_.by_edge() && IsQualityEpoch(vertex(v).epoch)) {
-      parts_->first_gaps.FindOf(v);
-    }
+}
+
+// In a global run a new vertex that owns a gap requests its own Complete. What there is to know of
+// the gap that the vertex fills comes from the Complete that has just made it.
+template <int D, template <class> class E>
+void Refinement<D, E>::PublishInGlobal(sac::Output output, sac::Stamp at) {
+  const VertexIndex v = IndexOf(output);
+  if (WhatOf(output) != Made::kVertex || !IsQualityEpoch(vertex(v).epoch)) {
+    parts_->publisher.Publish(output, at);
+    return;
+  }
+  const auto& filled = parts_->complete.filled();
+  const std::size_t ordinal = vertex(v).ordinal;
+  const std::uint32_t triangle = ordinal == 0 ? filled.triangle : Triangulation::kNone;
+  if (parts_->publisher.Publish(output, at, triangle)) {
+    if constexpr (!kTraced) parts_->first_gaps.FindOf(v, filled.buckets[ordinal]);
   }
 }
 

@@ -3,6 +3,7 @@
 // 6.2), and keeps them when the input changes. core/sac/engine.h draws the calls between the two.
 //
 //   complex.h        what there is: elements, the indices over them, the input
+//   run.h            the mode of a run: how neighbourhoods are found
 //   input_editor.h   changes of input; border.h, anchors.h and facet_anchors.h add vertices to it
 //   order.h          the order of operations within an epoch
 //
@@ -19,7 +20,8 @@
 //   edge_criterion.h, thesis_criterion.h, planar_gaps.h, space_gaps.h   which gap an edge has
 //   encroachment.h   which vertices encroach on a subsegment, and on which ones a point does
 // What they make:
-//   splits.h         emits elements
+//   splits.h         where a subsegment is split
+//   emitter.h        emits elements
 //   publisher.h      makes them visible
 //   notifier.h, read_filter.h   which operations a change affects
 //
@@ -43,6 +45,8 @@
 
 #include "absl/functional/function_ref.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/input_sink.h"
+#include "core/meshing/mesh_source.h"
 #include "core/meshing/types.h"
 #include "core/sac/engine.h"
 #include "core/sac/untraced_engine.h"
@@ -51,7 +55,7 @@
 namespace dynmesh::meshing {
 
 template <int D, template <class> class E>
-class Refinement {
+class Refinement final : public EditableSink<D>, public MeshSource<D> {
  public:
   using Engine = E<Refinement>;
   using Context = typename Engine::Context;
@@ -64,9 +68,11 @@ class Refinement {
   using Rules = RulesOf<D>;
   using Triangulation = TriangulationOf<D>;
   using SizingIndex = typename SizingField<D>::Index;
+  using OnChange = typename MeshSource<D>::OnChange;
 
-  // If `triangulation` is given, neighbourhoods are read off it, and every published vertex is
-  // inserted into it: for runs from scratch only, until DetachTriangulation. It must be empty.
+  // Chooses the mode of the run (run.h). If `triangulation` is given, neighbourhoods are read off
+  // it, and every published vertex is inserted into it: for runs from scratch only, until
+  // DetachTriangulation. It must be empty.
   Refinement(const MeshOptions& options, Triangulation* triangulation);
   ~Refinement();
 
@@ -75,40 +81,42 @@ class Refinement {
   // Reserves room for so many input points and as many Steiner points. This saves copying; a guess
   // that is too high costs no memory.
   void Reserve(std::size_t points);
-  VertexIndex AddPoint(const Point& p, FeatureSlot feature);
-  void RemovePoint(VertexIndex v);
+  VertexIndex AddPoint(const Point& p, FeatureSlot feature) override;
+  void RemovePoint(VertexIndex v) override;
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
-                             const SegmentShape& shape = {});
-  void RemoveSegment(SubsegmentIndex s);
-  SizingIndex AddSizing(const SizingRegion<D>& region);
-  void RemoveSizing(SizingIndex index);
-  FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature);
-  void RemoveFacet(FacetIndex index);
+                             const SegmentShape& shape = {}) override;
+  void RemoveSegment(SubsegmentIndex s) override;
+  SizingIndex AddSizing(const SizingRegion<D>& region) override;
+  void RemoveSizing(SizingIndex index) override;
+  FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings,
+                      FeatureSlot feature) override;
+  void RemoveFacet(FacetIndex index) override;
 
   // Runs what is due, for the first time or again. `interrupt()` is called before each operation;
   // if it returns true, Propagate returns false. See sac::Engine::Propagate.
   bool Propagate(absl::FunctionRef<bool()> interrupt);
 
   // From now on neighbourhoods are found in the spatial tree.
-  void DetachTriangulation() { complex_.triangulation = nullptr; }
+  void DetachTriangulation() { complex_.run.LeaveTriangulation(); }
 
   // --- Results ---------------------------------------------------------------------
 
   const Complex<D, E>& complex() const { return complex_; }
-  const ElementStore<D>& elements() const { return complex_.elements; }
+  const ElementStore<D>& elements() const override { return complex_.elements; }
+  const FacetField& facets() const override { return complex_.facets; }
   const Vertex& vertex(VertexIndex v) const { return complex_.vertex(v); }
   const Subsegment& subsegment(SubsegmentIndex s) const { return complex_.subsegment(s); }
   std::size_t vertex_count() const { return complex_.elements.vertex_count(); }
-  // See ElementStore.
-  template <class OnVertex, class OnSubsegment>
-  void TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
+  void TakeChanges(OnChange on_vertex, OnChange on_subsegment) override {
     complex_.elements.TakeChanges(on_vertex, on_subsegment);
   }
+  void ForSomeNeighbours(VertexIndex v, absl::FunctionRef<bool(VertexIndex)> f) const override;
+  FeatureSlot FacetAt(VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) const override;
 
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
   // True if an insertion or a split was refused because it would be finer than limits allow.
-  bool hit_depth_limit() const { return complex_.hit_depth_limit; }
+  bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }
   // True if the greatest number of vertices, subsegments or simplices is reached. Then what was
   // made must be undone, which may take as many more vertices and subsegments as there were before.
   bool is_full() const { return complex_.is_full(); }
@@ -148,6 +156,8 @@ class Refinement {
 
  private:
   struct Parts;  // the procedures and what serves them
+
+  void PublishInGlobal(sac::Output output, sac::Stamp at);
 
   // What comes before and after the engine's own propagation. Begin is false if it was interrupted.
   bool Begin(absl::FunctionRef<bool()> interrupt);

@@ -10,6 +10,7 @@
 #define DYNMESH_CORE_MESHING_SEGMENTS_H_
 
 #include "core/meshing/complex.h"
+#include "core/meshing/emitter.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/refinement_terms.h"
 #include "core/meshing/splits.h"
@@ -24,7 +25,8 @@ class SegmentWork {
   using Point = geometry::Point<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
 
-  explicit SegmentWork(Complex<D, E>& complex) : complex_(complex), search_(complex) {}
+  SegmentWork(const Complex<D, E>& complex, Emitter<D, E>& emitter)
+      : complex_(complex), emitter_(emitter), search_(complex) {}
   void Run(Context& context) { context.kind == kSplit ? Split(context) : Check(context); }
 
  private:
@@ -32,7 +34,8 @@ class SegmentWork {
   void Split(Context& context);
   void SplitInto(Context& context, SubsegmentIndex s);
 
-  Complex<D, E>& complex_;
+  const Complex<D, E>& complex_;
+  Emitter<D, E>& emitter_;
   EncroachmentSearch<D, E> search_;
 };
 
@@ -49,7 +52,7 @@ void SegmentWork<D, E>::Check(Context& context) {
   auto witnesses = search_.WitnessesOf(context, s);
   if (witnesses && !CanSplit(complex_, complex_.subsegment(s))) {
     witnesses.reset();
-    complex_.hit_depth_limit = true;
+    emitter_.NoteDepthLimit();
   }
   context.payload().flag = witnesses.has_value();
   if (witnesses) {
@@ -73,13 +76,13 @@ void SegmentWork<D, E>::Split(Context& context) {
   if (CanSplit(complex_, complex_.subsegment(s))) {
     SplitInto(context, s);
   } else {
-    complex_.hit_depth_limit = true;
+    emitter_.NoteDepthLimit();
   }
 }
 
 template <int D, template <class> class E>
 void SegmentWork<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
-  const auto [v, halves] = EmitHalves(complex_, context, s);
+  const auto [v, halves] = emitter_.EmitHalves(context, s);
   const Point p = complex_.vertex(v).p;
   context.Emit(MakeOutput(Made::kDeath, s));
 

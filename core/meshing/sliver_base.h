@@ -54,17 +54,22 @@ bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
       Follow();
     } else {
       TriangulationOf<D> whole;
-      TriangulationOf<D>* base = complex_.triangulation;
-      if (base == nullptr) {
-        base = domain_ != nullptr ? domain_ : &whole;
+      TriangulationOf<D>* base = &whole;
+      if (complex_.run.has_triangulation()) {
+        base = &complex_.run.triangulation();
+      } else {
+        if (domain_ != nullptr) base = domain_;
         if (!Fill(base, interrupt)) return false;
       }
-      if (base->is_full()) return complex_.triangulation_full = true;
+      if (base->is_full()) {
+        complex_.run.NoteFullTriangulation();
+        return true;
+      }
       const bool is_to_change = kTraced || base == &whole;
       if (!complex_.slivers.Begin(*base, is_to_change, IsSeditious(), IsFlat(), interrupt)) {
         return false;
       }
-      complex_.triangulation = nullptr;
+      complex_.run.LeaveTriangulation();
     }
     complex_.changed_base.clear();
     const sac::Epoch first = CureEpoch(0);
@@ -123,7 +128,7 @@ void SliverBase<D, E>::Follow() {
       });
       complex_.slivers.Insert(v, complex_.vertex(v).p, near);
     }
-    if (complex_.slivers.base().is_full()) complex_.triangulation_full = true;
+    if (complex_.slivers.base().is_full()) complex_.run.NoteFullTriangulation();
     if (!complex_.is_full()) complex_.slivers.FindSlivers(IsSeditious(), IsFlat());
   }
 }

@@ -94,7 +94,7 @@ class TetrahedronGaps {
   // An upper bound of the squared circumradius of tetrahedron t; infinite if the ball may be too
   // large for a sizing region.
   double MostRadius2(SimplexIndex t) const {
-    const auto& triangulation = *complex_.triangulation;
+    const auto& triangulation = complex_.run.triangulation();
     // A star computes at most a relative 4e-9 more for this corner (space_star.cc).
     if (complex_.sizing.empty() && triangulation.HasSphere(t)) {
       return triangulation.SphereOf(t).high * (1 + 1e-8);

@@ -36,8 +36,8 @@ class StarFinder {
 
   // The link of v in the triangulation; null if there is none. Valid until the next call.
   Link* FindLink(VertexIndex v) {
-    if (complex_.triangulation == nullptr) return nullptr;
-    link_.Read(*complex_.triangulation, v);
+    if (!complex_.run.has_triangulation()) return nullptr;
+    link_.Read(complex_.run.triangulation(), v);
     return &link_;
   }
   // The star of v with this reach, as of now, read off `link` if that is not null (it may be
@@ -105,9 +105,9 @@ void StarFinder<D, E>::ReadOff(Link& link, VertexIndex v, double reach) {
     const Point& p = complex_.vertex(v).p;
     star_.BeginRing(v, p, reach);
     for (const auto corner : link.corners) {
-      const VertexIndex u = complex_.triangulation->NextVertex(corner);
+      const VertexIndex u = complex_.run.triangulation().NextVertex(corner);
       if (u != TriangulationOf<D>::kInfinite) {
-        star_.Append(u, complex_.triangulation->position(u));
+        star_.Append(u, complex_.run.triangulation().position(u));
       } else if (!kTraced) {
         // On the border: a ghost beyond it, in the outward direction.
         const Point &lo = complex_.rules.lo(), &hi = complex_.rules.hi();
@@ -115,8 +115,9 @@ void StarFinder<D, E>::ReadOff(Link& link, VertexIndex v, double reach) {
         star_.AppendGhost(Star::kFirstGhost + k);
       }
     }
-    // By edges, no decision depends on corners or on the reach: untraced, the ring is enough.
-    if (!kTraced && complex_.by_edge()) return;
+    // By edges, no decision depends on corners or on the reach: without a record, the ring is
+    // enough.
+    if (complex_.is_global()) return;
     star_.Close();
     if (star_.IsWithinReach()) return;
     ring_.clear();
@@ -128,7 +129,7 @@ void StarFinder<D, E>::ReadOff(Link& link, VertexIndex v, double reach) {
   } else {
     if (ReadOffLink(link, v, reach)) {
       // By edges no decision depends on the reach, but those about facets do.
-      const bool needs_no_ghosts = link.is_closed && complex_.is_global() && complex_.by_edge();
+      const bool needs_no_ghosts = link.is_closed && complex_.is_global();
       if (!needs_no_ghosts && !star_.IsWithinReach()) star_.InsertGhosts();
       return;
     }

@@ -9,6 +9,7 @@
 #include "core/geometry/constructions.h"
 #include "core/geometry/predicates.h"
 #include "core/meshing/border.h"
+#include "core/meshing/facet_membership.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/splits.h"
 #include "core/svr/hilbert_order.h"
@@ -138,7 +139,7 @@ void PlcInput<D>::AddBall(SubsegmentIndex s) {
 template <int D>
 bool PlcInput<D>::CanSplit(SubsegmentIndex s) {
   if (meshing::CanSplit(complex_, complex_.subsegment(s))) return true;
-  complex_.hit_depth_limit = true;
+  complex_.run.NoteDepthLimit();
   return false;
 }
 
@@ -234,6 +235,13 @@ SteinerPoint<D> PlcInput<D>::MoveToFacet(const Ball<D>& ball) const {
     }
   }
   return {ball.centre};
+}
+
+template <int D>
+meshing::FeatureSlot PlcInput<D>::FacetAt(VertexIndex a, VertexIndex b, VertexIndex c,
+                                          VertexIndex d) const {
+  const FacetIndex facet = meshing::FacetOf(complex_, a, b, c, d);
+  return facet == meshing::kNil ? meshing::kNil : complex_.facets[facet].feature();
 }
 
 template class PlcInput<2>;

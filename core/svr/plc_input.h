@@ -15,6 +15,8 @@
 #include "core/meshing/box_tree.h"
 #include "core/meshing/cell_cut.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/input_sink.h"
+#include "core/meshing/mesh_source.h"
 #include "core/meshing/shells.h"
 #include "core/svr/kernel.h"
 #include "core/svr/options.h"
@@ -31,27 +33,28 @@ struct NoEngine {
 
 // Thread-compatible.
 template <int D>
-class PlcInput {
+class PlcInput final : public meshing::InputSink<D>, public meshing::MeshSource<D> {
  public:
   using Point = geometry::Point<D>;
   using Complex = meshing::Complex<D, NoEngine>;
   using Vertex = meshing::Vertex<D>;
   using Subsegment = meshing::Subsegment<D>;
+  using OnChange = typename meshing::MeshSource<D>::OnChange;
   static constexpr bool kHasFeatures = true;
 
   explicit PlcInput(const MeshOptions& options);
 
-  // --- Input: before Svr is made, as of meshing::Refinement -----------------------------------
+  // --- Input: before Svr is made --------------------------------------------------------------
 
-  VertexIndex AddPoint(const Point& p, meshing::FeatureSlot feature);
-  // `shape`: of the segment from the lesser end to the greater.
+  VertexIndex AddPoint(const Point& p, meshing::FeatureSlot feature) override;
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, meshing::FeatureSlot feature,
-                             const meshing::SegmentShape& shape = {});
-  typename meshing::SizingField<D>::Index AddSizing(const meshing::SizingRegion<D>& region) {
+                             const meshing::SegmentShape& shape = {}) override;
+  typename meshing::SizingField<D>::Index AddSizing(
+      const meshing::SizingRegion<D>& region) override {
     return complex_.sizing.Add(region);
   }
   FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings,
-                      meshing::FeatureSlot feature);
+                      meshing::FeatureSlot feature) override;
 
   // --- For Svr ----------------------------------------------------------------------------
 
@@ -100,18 +103,22 @@ class PlcInput {
   // (meshing/facet_work.h), or the centre.
   SteinerPoint<D> MoveToFacet(const Ball<D>& ball) const;
 
-  // --- Results: as of meshing::Refinement ---------------------------------------------------
+  // --- Results ------------------------------------------------------------------------------
 
   const Complex& complex() const { return complex_; }
-  const meshing::ElementStore<D>& elements() const { return complex_.elements; }
+  const meshing::ElementStore<D>& elements() const override { return complex_.elements; }
+  const meshing::FacetField& facets() const override { return complex_.facets; }
   const Vertex& vertex(VertexIndex v) const { return complex_.vertex(v); }
   const Subsegment& subsegment(SubsegmentIndex s) const { return complex_.subsegment(s); }
   std::size_t vertex_count() const { return complex_.elements.vertex_count(); }
-  template <class OnVertex, class OnSubsegment>
-  void TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
+  void TakeChanges(OnChange on_vertex, OnChange on_subsegment) override {
     complex_.elements.TakeChanges(on_vertex, on_subsegment);
   }
-  bool hit_depth_limit() const { return complex_.hit_depth_limit; }
+  // For none: there is no trace.
+  void ForSomeNeighbours(VertexIndex, absl::FunctionRef<bool(VertexIndex)>) const override {}
+  meshing::FeatureSlot FacetAt(VertexIndex a, VertexIndex b, VertexIndex c,
+                               VertexIndex d) const override;
+  bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }
   bool is_full() const { return complex_.is_full(); }
   std::optional<Point> OverflowAt() const { return std::nullopt; }
 

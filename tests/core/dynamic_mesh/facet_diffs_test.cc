@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "core/dynamic_mesh/diff_builder.h"
+#include "core/dynamic_mesh/feature_table.h"
+#include "core/meshing/refinement.h"
 #include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 

@@ -142,9 +142,9 @@ TYPED_TEST(StarFinderTest, LocalAndReadOffAreTheStarOfAllVerticesSeen) {
       const Star<D> naive = scene.Naive(v, reach, now);
       const auto local = scene.Found(v, reach, now);
       ASSERT_EQ(CornersIn<D>(local.reads), CornersOf<D>(naive)) << "vertex " << v;
-      scene.lone.complex.triangulation = &triangulation;
+      scene.lone.complex.run.Record(&triangulation);
       const auto read_off = scene.Found(v, reach, now);
-      scene.lone.complex.triangulation = nullptr;
+      scene.lone.complex.run.LeaveTriangulation();
       ASSERT_EQ(CornersIn<D>(read_off.reads), CornersOf<D>(naive)) << "vertex " << v;
       EXPECT_EQ(read_off.kept.radius2, local.kept.radius2);
       EXPECT_EQ(read_off.kept.cover(), local.kept.cover());
