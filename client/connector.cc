@@ -18,10 +18,10 @@ constexpr std::chrono::milliseconds kGrace(20);
 
 Connector::~Connector() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
+  wake_.NotifyAll();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -29,7 +29,7 @@ void Connector::Reach(const std::shared_ptr<grpc::Channel>& channel) {
   // The server itself, or one in between, says that it is not available.
   if (channel->GetState(false) == GRPC_CHANNEL_READY) return;
   const Clock::time_point now = Clock::now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto target = targets_.find(channel.get());
   if (target == targets_.end()) {
     target =
@@ -38,27 +38,28 @@ void Connector::Reach(const std::shared_ptr<grpc::Channel>& channel) {
   }
   target->second.wanted = now + kWanted;
   if (!thread_.joinable()) thread_ = std::thread([this] { Run(); });
-  wake_.notify_all();
+  wake_.NotifyAll();
 }
 
 void Connector::Pause(absl::Duration limit) {
-  std::unique_lock lock(mutex_);
-  counted_.wait_for(lock, absl::ToChronoNanoseconds(std::min(limit, absl::Hours(1))),
-                    [this, before = count_] { return count_ != before; });
+  const MutexLock lock(mutex_);
+  counted_.WaitFor(mutex_, absl::ToChronoNanoseconds(std::min(limit, absl::Hours(1))),
+                   [this, before = count_]()
+                       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return count_ != before; });
 }
 
 std::uint64_t Connector::reached() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return count_;
 }
 
 void Connector::Listen(const void* owner, std::function<void()> reached) {
-  const std::lock_guard lock(listeners_mutex_);
+  const MutexLock lock(listeners_mutex_);
   listeners_[owner] = std::move(reached);
 }
 
 void Connector::Unlisten(const void* owner) {
-  const std::lock_guard lock(listeners_mutex_);
+  const MutexLock lock(listeners_mutex_);
   listeners_.erase(owner);
 }
 
@@ -66,30 +67,33 @@ void Connector::Run() {
   grpc::CompletionQueue changes;
   void* changed = nullptr;
   bool in_time = false;
-  std::unique_lock lock(mutex_);
-  wake_.wait_for(lock, kGrace, [this] { return stopping_; });
+  MutexLock lock(mutex_);
+  wake_.WaitFor(mutex_, kGrace,
+                [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_; });
   while (!stopping_) {
     if (targets_.empty()) {
-      wake_.wait(lock, [this] { return stopping_ || !targets_.empty(); });
+      wake_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+        return stopping_ || !targets_.empty();
+      });
       continue;
     }
     if (Step(changes)) {
       ++count_;
-      counted_.notify_all();
-      lock.unlock();
+      counted_.NotifyAll();
+      lock.Unlock();
       {
-        const std::lock_guard listening(listeners_mutex_);
+        const MutexLock listening(listeners_mutex_);
         for (const auto& [owner, listener] : listeners_) listener();
       }
-      lock.lock();
+      lock.Lock();
     }
     if (targets_.empty()) continue;
-    lock.unlock();
+    lock.Unlock();
     changes.Next(&changed, &in_time);  // all targets are watched, for a slice at most
-    lock.lock();
+    lock.Lock();
     static_cast<Target*>(changed)->is_watched = false;
   }
-  lock.unlock();
+  lock.Unlock();
   changes.Shutdown();
   while (changes.Next(&changed, &in_time)) {
   }

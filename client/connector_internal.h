@@ -12,16 +12,15 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 #include "absl/time/time.h"
 #include "client/backoff_internal.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::client {
 
@@ -60,21 +59,22 @@ class Connector {
   };
 
   void Run();
-  // Looks at all targets that are not watched. True if one was reached. Under mutex_.
-  bool Step(grpc::CompletionQueue& changes);
-  // True if it is over. Under mutex_.
-  bool Advance(Target& target, bool* reached, grpc::CompletionQueue& changes) const;
+  // Looks at all targets that are not watched. True if one was reached.
+  bool Step(grpc::CompletionQueue& changes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // True if it is over.
+  bool Advance(Target& target, bool* reached, grpc::CompletionQueue& changes) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  std::mutex mutex_;
-  std::condition_variable wake_, counted_;
-  std::map<const grpc::Channel*, Target> targets_;
-  std::uint64_t count_ = 0;  // of servers reached
-  bool stopping_ = false;
+  Mutex mutex_;
+  CondVar wake_, counted_;
+  std::map<const grpc::Channel*, Target> targets_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t count_ ABSL_GUARDED_BY(mutex_) = 0;  // of servers reached
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
 
-  std::mutex listeners_mutex_;  // before any lock of a listener
-  std::map<const void*, std::function<void()>> listeners_;
+  Mutex listeners_mutex_;  // before any lock of a listener
+  std::map<const void*, std::function<void()>> listeners_ ABSL_GUARDED_BY(listeners_mutex_);
 
-  std::thread thread_;  // runs from the first failure on
+  std::thread thread_ ABSL_GUARDED_BY(mutex_);  // runs from the first failure on
 };
 
 }  // namespace dynmesh::client

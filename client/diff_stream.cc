@@ -1,13 +1,12 @@
 #include "dynmesh/client/diff_stream.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 #include <thread>
 #include <utility>
 
 #include "client/channel_internal.h"
+#include "core/base/mutex.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 
@@ -36,14 +35,15 @@ class GrpcDiffStream final : public DiffStream {
   }
 
   absl::StatusOr<std::optional<Event>> Next(absl::Duration limit) override {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, Bounded(limit),
-                      [this] { return !events_.empty() || ended_.has_value() || cancelled_; });
+    const MutexLock lock(mutex_);
+    changed_.WaitFor(mutex_, Bounded(limit), [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return !events_.empty() || ended_.has_value() || cancelled_;
+    });
     if (cancelled_) return absl::CancelledError("the stream was cancelled");
     if (!events_.empty()) {
       std::optional<Event> event(std::move(events_.front()));
       events_.pop_front();
-      changed_.notify_all();
+      changed_.NotifyAll();
       return event;
     }
     if (ended_.has_value()) return *ended_;
@@ -51,21 +51,22 @@ class GrpcDiffStream final : public DiffStream {
   }
 
   void Cancel() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     cancelled_ = true;
     if (context_ != nullptr) context_->TryCancel();
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
 
  private:
   void Run() {
+    of_reader_.AssertHeld();
     Backoff backoff(kFirstPause, kLongestPause);
     absl::Time last_sign = absl::Now();
     for (;;) {
       const std::uint64_t revision_before = revision_;
       const absl::Status status = ReadStream();
       if (revision_ != revision_before || heard_) last_sign = absl::Now(), backoff.Succeeded();
-      std::unique_lock lock(mutex_);
+      const MutexLock lock(mutex_);
       if (cancelled_) return;
       if (status.code() == absl::StatusCode::kOutOfRange && options_.takes_snapshots &&
           !from_snapshot_) {
@@ -74,26 +75,28 @@ class GrpcDiffStream final : public DiffStream {
       }
       if (!IsPassing(status) || absl::Now() - last_sign > options_.patience) {
         ended_ = status.ok() ? absl::UnavailableError("the stream ended again and again") : status;
-        changed_.notify_all();
+        changed_.NotifyAll();
         return;
       }
       const bool waits_for_server = absl::IsUnavailable(status);
       server_is_back_ = false;
-      changed_.wait_for(lock, absl::ToChronoNanoseconds(backoff.Failed()),
-                        [&] { return cancelled_ || (waits_for_server && server_is_back_); });
+      changed_.WaitFor(mutex_, absl::ToChronoNanoseconds(backoff.Failed()),
+                       [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                         return cancelled_ || (waits_for_server && server_is_back_);
+                       });
       if (cancelled_) return;
     }
   }
 
   // A server that could not be reached can be.
   void ServerIsBack() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     server_is_back_ = true;
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
 
   // One Watch call, until it ends.
-  absl::Status ReadStream() {
+  absl::Status ReadStream() ABSL_EXCLUSIVE_LOCKS_REQUIRED(of_reader_) {
     v1::WatchRequest request;
     request.set_mesh(mesh_);
     if (!from_snapshot_) {
@@ -104,7 +107,7 @@ class GrpcDiffStream final : public DiffStream {
     grpc::ClientContext context;
     stub_->Prepare(context);
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (cancelled_) return absl::CancelledError("the stream was cancelled");
       context_ = &context;
     }
@@ -138,15 +141,17 @@ class GrpcDiffStream final : public DiffStream {
     if (!broken.ok()) context.TryCancel();
     const absl::Status status = UnlessCancelledHere(codec::FromGrpcStatus(stream->Finish()));
     stub_->Learn(key, *server, status, /*repeatable=*/true);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     context_ = nullptr;
     return broken.ok() ? status : broken;
   }
 
   // Blocks until there is room.
-  void Hand(Event event) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return events_.size() < kAhead || cancelled_; });
+  void Hand(Event event) ABSL_EXCLUSIVE_LOCKS_REQUIRED(of_reader_) {
+    const MutexLock lock(mutex_);
+    changed_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return events_.size() < kAhead || cancelled_;
+    });
     from_snapshot_ = false;
     if (const auto* diff = std::get_if<MeshDiff>(&event)) {
       revision_ = diff->to_revision, hash_ = diff->hash;
@@ -154,27 +159,27 @@ class GrpcDiffStream final : public DiffStream {
       revision_ = std::get<Mesh>(event).revision, hash_ = std::get<Mesh>(event).hash;
     }
     events_.push_back(std::move(event));
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
 
   const std::shared_ptr<Stub> stub_;
   const std::string mesh_;
   const DiffStreamOptions options_;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Event> events_;
-  std::optional<absl::Status> ended_;
-  bool cancelled_ = false;
-  bool server_is_back_ = false;
-  grpc::ClientContext* context_ = nullptr;  // of the running call
+  Mutex mutex_;
+  CondVar changed_;
+  std::deque<Event> events_ ABSL_GUARDED_BY(mutex_);
+  std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool server_is_back_ ABSL_GUARDED_BY(mutex_) = false;
+  grpc::ClientContext* context_ ABSL_GUARDED_BY(mutex_) = nullptr;  // of the running call
 
-  // Used by the reader only.
-  std::uint64_t revision_;
-  MeshHash hash_;
-  bool from_snapshot_ = false;
-  bool heard_ = false;  // the last call received an event
-  std::thread reader_;  // last member: it uses the others
+  ThreadRole of_reader_;  // the part of reader_
+  std::uint64_t revision_ ABSL_GUARDED_BY(of_reader_);
+  MeshHash hash_ ABSL_GUARDED_BY(of_reader_);
+  bool from_snapshot_ ABSL_GUARDED_BY(of_reader_) = false;
+  bool heard_ ABSL_GUARDED_BY(of_reader_) = false;  // the last call received an event
+  std::thread reader_;                              // last member: it uses the others
 };
 
 }  // namespace

@@ -48,7 +48,7 @@ Stub::ServerPtr Stub::AtLocked(const std::string& address) {
 }
 
 Stub::ServerPtr Stub::Of(const std::string& mesh) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto route = mesh.empty() ? routes_.end() : routes_.find(mesh);
   return AtLocked(route == routes_.end() ? known_[first_] : route->second);
 }
@@ -62,43 +62,43 @@ void Stub::Prepare(grpc::ClientContext& context, absl::Duration timeout, int red
 
 void Stub::Forget(const std::string& key) {
   if (!from_followers_) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   routes_.erase(key);
 }
 
 void Stub::Saw(const std::string& mesh, std::uint64_t revision) {
   if (!from_followers_) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::uint64_t& seen = seen_[mesh];
   seen = std::max(seen, revision);
 }
 
 bool Stub::is_shared() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return known_.size() > 1;
 }
 
 std::string Stub::AddressOtherThan(const std::string& address) const {
   thread_local std::minstd_rand random{std::random_device()()};
   std::vector<std::string> others;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::copy_if(known_.begin(), known_.end(), std::back_inserter(others),
                [&](const std::string& known) { return known != address; });
   return others.empty() ? "" : others[random() % others.size()];
 }
 
 bool Stub::Knows(const std::string& address) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::find(known_.begin(), known_.end(), address) != known_.end();
 }
 
 Stub::ServerPtr Stub::At(const std::string& address) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return AtLocked(address);
 }
 
 void Stub::Moved(const std::string& mesh, const std::string& address) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   routes_[mesh] = address;
 }
 
@@ -116,7 +116,7 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
   const auto error = codec::GetServiceError(status);
   const std::string reason = error.has_value() ? error->reason : "";
   if (reason.empty()) connector_.Reach(asked.channel);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (reason == codec::reason::kNotOwner) {
     const auto owner = error->metadata.find("owner");
     if (owner == error->metadata.end() || !IsAddress(owner->second)) {
@@ -145,7 +145,7 @@ Stub::Next Stub::Learn(const std::string& mesh, const Server& asked, const absl:
 
 void Stub::Resolve(const std::string& mesh, absl::Duration timeout) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (known_.size() == 1 || routes_.contains(mesh)) return;
   }
   v1::GetMeshRequest request;

@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,6 +23,7 @@
 #include "absl/time/time.h"
 #include "client/connector_internal.h"
 #include "client/waiting_calls_internal.h"
+#include "core/base/mutex.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "proto/codec/status_codec.h"
 
@@ -74,7 +74,7 @@ class Stub {
   template <class Request>
   void AskFollowers(Request* request, std::uint64_t revision = 0) const {
     if (!from_followers_) return;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto seen = seen_.find(request->mesh());
     request->set_min_revision(std::max(revision, seen == seen_.end() ? 0 : seen->second));
   }
@@ -120,20 +120,23 @@ class Stub {
   static const absl::Status& StatusOf(const absl::StatusOr<T>& value) {
     return value.status();
   }
-  ServerPtr AtLocked(const std::string& address);
-  void AvoidLocked(const std::string& mesh, const std::string& address);
+  ServerPtr AtLocked(const std::string& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void AvoidLocked(const std::string& mesh, const std::string& address)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   const grpc::ChannelArguments arguments_;
   const std::string authorization_;
   const bool from_followers_;
 
-  mutable std::mutex mutex_;
-  std::vector<std::string> known_;             // given or named by a server
-  std::size_t first_ = 0;                      // of known_: asked for a mesh without a route
-  std::map<std::string, std::string> routes_;  // the address of a mesh's server
-  std::map<std::string, std::uint64_t> seen_;  // revisions, if reads may be a follower's
-  std::map<std::string, ServerPtr> servers_;   // by address
+  mutable Mutex mutex_;
+  std::vector<std::string> known_ ABSL_GUARDED_BY(mutex_);  // given or named by a server
+  std::size_t first_ ABSL_GUARDED_BY(mutex_) = 0;  // of known_: asked for a mesh without a route
+  // The address of a mesh's server.
+  std::map<std::string, std::string> routes_ ABSL_GUARDED_BY(mutex_);
+  // Revisions, if reads may be a follower's.
+  std::map<std::string, std::uint64_t> seen_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, ServerPtr> servers_ ABSL_GUARDED_BY(mutex_);  // by address
 
   Connector connector_;
   WaitingCalls waiting_{this};

@@ -39,11 +39,11 @@ WaitingCalls::WaitingCalls(Stub* stub) : stub_(stub) {}
 
 WaitingCalls::~WaitingCalls() {
   {
-    std::unique_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     for (const auto& [key, question] : running_) question->context.TryCancel();
-    wake_.notify_all();
-    wake_.wait(lock, [this] { return running_.empty(); });
+    wake_.NotifyAll();
+    wake_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return running_.empty(); });
   }
   if (thread_.joinable()) thread_.join();
 }
@@ -53,7 +53,7 @@ WaitingCalls::Call::Call(WaitingCalls* calls, const std::string& key, const std:
     : calls_(calls) {
   if (calls_ == nullptr) return;
   const Clock::time_point now = Clock::now();
-  const std::lock_guard lock(calls_->mutex_);
+  const MutexLock lock(calls_->mutex_);
   entry_ = calls_->calls_.insert(
       calls_->calls_.end(),
       Entry{key, address, context, is_stream, is_stream ? Clock::time_point::max() : now});
@@ -61,20 +61,20 @@ WaitingCalls::Call::Call(WaitingCalls* calls, const std::string& key, const std:
   if (!calls_->thread_.joinable()) {
     calls_->thread_ = std::thread([calls = calls_] { calls->Run(); });
   } else if (calls_->parked_) {
-    calls_->wake_.notify_all();
+    calls_->wake_.NotifyAll();
   }
 }
 
 WaitingCalls::Call::~Call() {
   if (calls_ == nullptr) return;
-  const std::lock_guard lock(calls_->mutex_);
+  const MutexLock lock(calls_->mutex_);
   calls_->calls_.erase(entry_);
 }
 
 void WaitingCalls::Call::Heard(bool more) {
   if (calls_ == nullptr) return;
   const Clock::time_point now = Clock::now();
-  const std::lock_guard lock(calls_->mutex_);
+  const MutexLock lock(calls_->mutex_);
   entry_->since = more ? now : Clock::time_point::max();
   entry_->is_suspected = false;
   if (entry_->is_stream) calls_->heard_[entry_->address] = now;
@@ -83,21 +83,24 @@ void WaitingCalls::Call::Heard(bool more) {
 void WaitingCalls::Call::Expect() {
   if (calls_ == nullptr) return;
   const Clock::time_point now = Clock::now();
-  const std::lock_guard lock(calls_->mutex_);
+  const MutexLock lock(calls_->mutex_);
   entry_->since = std::min(entry_->since, now);
 }
 
 void WaitingCalls::Run() {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(mutex_);
   while (!stopping_) {
     if (calls_.empty()) {
       heard_.clear();
       asked_.clear();
       parked_ = true;
-      wake_.wait(lock, [this] { return stopping_ || !calls_.empty(); });
+      wake_.Wait(mutex_, [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+        return stopping_ || !calls_.empty();
+      });
       parked_ = false;
     }
-    wake_.wait_for(lock, kTick, [this] { return stopping_; });
+    wake_.WaitFor(mutex_, kTick,
+                  [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_; });
     if (!stopping_) Look(Clock::now());
   }
 }
@@ -147,7 +150,7 @@ void WaitingCalls::Ask(const Subject& subject, const std::string& of, Clock::tim
 
 void WaitingCalls::Answered(const Question* question, const grpc::Status& status) {
   const Clock::time_point now = Clock::now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto running = running_.find(question);
   asked_[question->subject].runs = false;
   const auto& [mesh, address] = question->subject;
@@ -155,7 +158,7 @@ void WaitingCalls::Answered(const Question* question, const grpc::Status& status
   if (!stopping_ && !mesh.empty()) JudgeOwner(*question, status, now);
   // Before the stub may go, which has the server's connection, too.
   running_.erase(running);
-  if (stopping_) wake_.notify_all();
+  if (stopping_) wake_.NotifyAll();
 }
 
 void WaitingCalls::JudgeSign(const std::string& address, const grpc::Status& status,

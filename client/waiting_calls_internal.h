@@ -17,14 +17,14 @@
 #include <grpcpp/grpcpp.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
+
+#include "core/base/mutex.h"
 
 namespace dynmesh::client {
 
@@ -65,27 +65,32 @@ class WaitingCalls {
   static bool IsMesh(const std::string& key) { return key.rfind("meshes/", 0) == 0; }
 
   void Run();
-  // Asks what is due. Under mutex_.
-  void Look(Clock::time_point now);
-  void Ask(const Subject& subject, const std::string& of, Clock::time_point now);
+  // Asks what is due.
+  void Look(Clock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Ask(const Subject& subject, const std::string& of, Clock::time_point now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // The answer to a question, by a thread of gRPC.
   void Answered(const Question* question, const grpc::Status& status);
-  // Under mutex_, these four.
-  void JudgeSign(const std::string& address, const grpc::Status& status, Clock::time_point now);
-  void JudgeOwner(const Question& question, const grpc::Status& status, Clock::time_point now);
-  void GaveNoSign(const std::string& address, Clock::time_point now);
-  void Cancel(const std::string& key, const std::string& address);
+  void JudgeSign(const std::string& address, const grpc::Status& status, Clock::time_point now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void JudgeOwner(const Question& question, const grpc::Status& status, Clock::time_point now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void GaveNoSign(const std::string& address, Clock::time_point now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Cancel(const std::string& key, const std::string& address)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   Stub* const stub_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::list<Entry> calls_;
-  std::map<Subject, Asked> asked_;
-  std::map<const Question*, std::unique_ptr<Question>> running_;
-  std::map<std::string, Clock::time_point> heard_;  // of servers with streams: the last message
-  bool parked_ = false;                             // the thread waits for a call
-  bool stopping_ = false;
-  std::thread thread_;  // runs from the first call on
+  Mutex mutex_;
+  CondVar wake_;
+  std::list<Entry> calls_ ABSL_GUARDED_BY(mutex_);
+  std::map<Subject, Asked> asked_ ABSL_GUARDED_BY(mutex_);
+  std::map<const Question*, std::unique_ptr<Question>> running_ ABSL_GUARDED_BY(mutex_);
+  // Of servers with streams: the last message.
+  std::map<std::string, Clock::time_point> heard_ ABSL_GUARDED_BY(mutex_);
+  bool parked_ ABSL_GUARDED_BY(mutex_) = false;  // the thread waits for a call
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_ ABSL_GUARDED_BY(mutex_);  // runs from the first call on
 };
 
 class WaitingCalls::Call {

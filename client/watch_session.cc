@@ -3,12 +3,11 @@
 #include <grpcpp/alarm.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "client/channel_internal.h"
+#include "core/base/mutex.h"
 #include "proto/codec/grpc_status.h"
 
 namespace dynmesh::client {
@@ -58,30 +57,30 @@ class Follower : public std::enable_shared_from_this<Follower> {
         backoff_(options.first_pause, options.longest_pause) {}
 
   void Open() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     OpenLocked();
   }
 
   // False: the stream is to be cancelled.
   bool Take(const v1::WatchEvent& event) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (stopping_) return false;
     auto change = replica_.Take(event);
     if (!change.ok()) {
       trouble_ = change.status();
-      changed_.notify_all();
+      changed_.NotifyAll();
       return false;
     }
     attempts_ = 0;
     backoff_.Succeeded();
     Tell(*change);
-    changed_.notify_all();
+    changed_.NotifyAll();
     return true;
   }
 
   // The stream is about to be deleted and must not be cancelled any more. StreamEnded follows.
   void StreamGoes() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stream_ = nullptr;
   }
 
@@ -91,7 +90,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
   }
 
   void StreamEnded(const absl::Status& status) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     replica_.EndOfStream();
     const bool gave_up = !trouble_.ok();
     const absl::Status why = gave_up ? trouble_ : status;
@@ -112,23 +111,24 @@ class Follower : public std::enable_shared_from_this<Follower> {
 
   // A server that could not be reached can be.
   void ServerIsBack() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (alarm_ != nullptr && waits_for_server_) alarm_->Cancel();
   }
 
   void Stop() {
-    std::unique_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     if (stream_ != nullptr) stream_->Cancel();
     if (alarm_ != nullptr) alarm_->Cancel();
-    changed_.wait(lock, [this] { return ended_.has_value(); });
+    changed_.Wait(mutex_,
+                  [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return ended_.has_value(); });
     listener_ = &silent_;
   }
 
   bool WaitFor(const std::function<bool(const MeshReplica&)>& condition, absl::Duration limit) {
-    std::unique_lock lock(mutex_);
+    const MutexLock lock(mutex_);
     bool met = false;
-    changed_.wait_for(lock, Bounded(limit), [&] {
+    changed_.WaitFor(mutex_, Bounded(limit), [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       met = condition(replica_);
       return met || ended_.has_value();
     });
@@ -136,25 +136,25 @@ class Follower : public std::enable_shared_from_this<Follower> {
   }
 
   void Read(const std::function<void(const MeshReplica&)>& reader) const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     reader(replica_);
   }
 
   std::optional<absl::Status> ended() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return ended_;
   }
   int resyncs() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return std::max(0, snapshots_ - 1);
   }
   int reconnects() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return reconnects_;
   }
 
  private:
-  void Tell(const MeshReplica::Change& change) {
+  void Tell(const MeshReplica::Change& change) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (std::holds_alternative<MeshReplica::NewSnapshot>(change)) {
       ++snapshots_;
       listener_->OnSnapshot(replica_);
@@ -165,7 +165,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     }
   }
 
-  void OpenLocked() {
+  void OpenLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     v1::WatchRequest request;
     request.set_mesh(FullName(mesh_));
     request.mutable_regions()->Add(options_.regions.begin(), options_.regions.end());
@@ -185,7 +185,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     stream_->Start(*stub_);
   }
 
-  void SetAlarmLocked() {
+  void SetAlarmLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     // A new alarm each time: the previous one may still be in its callback.
     alarm_ = std::make_unique<grpc::Alarm>();
     alarm_->Set(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(backoff_.Failed()),
@@ -193,16 +193,16 @@ class Follower : public std::enable_shared_from_this<Follower> {
   }
 
   void AlarmFired() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     alarm_.reset();
     if (stopping_) return EndLocked(absl::CancelledError("the watch was stopped"));
     OpenLocked();
   }
 
-  void EndLocked(const absl::Status& status) {
+  void EndLocked(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     ended_ = status;
     listener_->OnEnd(status);
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
 
   Stub* const stub_;
@@ -210,21 +210,21 @@ class Follower : public std::enable_shared_from_this<Follower> {
   const WatchOptions options_;
   WatchListener silent_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  WatchListener* listener_;
-  MeshReplica replica_;
-  Stream* stream_ = nullptr;
-  std::unique_ptr<grpc::Alarm> alarm_;
-  Backoff backoff_;
-  bool waits_for_server_ = false;  // while an alarm is set
-  int attempts_ = 0;               // streams that ended since the last event
-  bool from_snapshot_ = false;
-  bool stopping_ = false;
-  absl::Status trouble_;  // why the replica rejected the stream
-  std::optional<absl::Status> ended_;
-  int snapshots_ = 0;
-  int reconnects_ = 0;
+  mutable Mutex mutex_;
+  CondVar changed_;
+  WatchListener* listener_ ABSL_GUARDED_BY(mutex_);
+  MeshReplica replica_ ABSL_GUARDED_BY(mutex_);
+  Stream* stream_ ABSL_GUARDED_BY(mutex_) = nullptr;
+  std::unique_ptr<grpc::Alarm> alarm_ ABSL_GUARDED_BY(mutex_);
+  Backoff backoff_ ABSL_GUARDED_BY(mutex_);
+  bool waits_for_server_ ABSL_GUARDED_BY(mutex_) = false;  // while an alarm is set
+  int attempts_ ABSL_GUARDED_BY(mutex_) = 0;  // streams that ended since the last event
+  bool from_snapshot_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status trouble_ ABSL_GUARDED_BY(mutex_);  // why the replica rejected the stream
+  std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
+  int snapshots_ ABSL_GUARDED_BY(mutex_) = 0;
+  int reconnects_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 void Stream::OnReadDone(bool ok) {

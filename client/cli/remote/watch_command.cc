@@ -1,8 +1,6 @@
 // dynmesh watch MESH --server ADDR: follows a mesh in a replica that verifies every step. Prints
 // one line per event, until a revision or indefinitely.
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -12,6 +10,7 @@
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "client/cli/words.h"
+#include "core/base/mutex.h"
 #include "core/base/text.h"
 #include "core/mesh_data/region_filter.h"
 
@@ -53,8 +52,9 @@ class Printer final : public client::WatchListener {
 
   // Blocks until done. OK if the revision was reached.
   absl::Status Wait() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return result_.has_value(); });
+    const MutexLock lock(mutex_);
+    changed_.Wait(mutex_,
+                  [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return result_.has_value(); });
     return *result_;
   }
 
@@ -88,21 +88,21 @@ class Printer final : public client::WatchListener {
   }
 
   void Finish(const absl::Status& status) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!result_.has_value()) result_ = status;
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
   bool finished() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return result_.has_value();
   }
 
   const WatchCommand& command_;
   const mesh_data::RegionChoice& region_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<absl::Status> result_;
-  Mesh mesh_;
+  Mutex mutex_;
+  CondVar changed_;
+  std::optional<absl::Status> result_ ABSL_GUARDED_BY(mutex_);
+  Mesh mesh_;  // by the last callback before result_
 };
 
 int Run(const WatchCommand& command) {

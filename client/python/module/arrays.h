@@ -6,13 +6,13 @@
 #include <pybind11/pybind11.h>
 
 #include <cstddef>
-#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/python/module/held_column.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::python {
 
@@ -21,17 +21,23 @@ namespace py = pybind11;
 template <class T>
 using InArray = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// Runs `f` with `mutex` held. The GIL is given up if that has to wait, so the holder of a mutex may
-// wait for the GIL. `f` makes no Python objects: these could run a finalizer that needs the mutex.
-template <class F>
-auto WithLock(std::mutex& mutex, F f) {
-  std::unique_lock lock(mutex, std::try_to_lock);
-  if (!lock) {
+// Holds a mutex. The GIL is given up if that has to wait, so the holder of a mutex may wait for the
+// GIL. The holder makes no Python objects: these could run a finalizer that needs the mutex.
+class ABSL_SCOPED_LOCKABLE PatientLock {
+ public:
+  explicit PatientLock(Mutex& mutex)
+      ABSL_EXCLUSIVE_LOCK_FUNCTION(mutex) ABSL_NO_THREAD_SAFETY_ANALYSIS : mutex_(mutex) {
+    if (mutex_.TryLock()) return;
     py::gil_scoped_release release;
-    lock.lock();
+    mutex_.Lock();
   }
-  return f();
-}
+  PatientLock(const PatientLock&) = delete;
+  PatientLock& operator=(const PatientLock&) = delete;
+  ~PatientLock() ABSL_UNLOCK_FUNCTION() { mutex_.Unlock(); }
+
+ private:
+  Mutex& mutex_;
+};
 
 // A column as a read-only array that never changes: rows of `width` entries, one-dimensional if
 // `width` is 0.

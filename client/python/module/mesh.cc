@@ -119,9 +119,10 @@ py::dict WorkDict(const Diff& d) {
 py::array Find(SharedMesh& mesh, const InArray<std::uint64_t>& ids) {
   const auto wanted = SpanOf(ids);
   std::vector<Slot> slots(wanted.size(), kNoSlot);
-  WithLock(mesh.mutex(), [&] {
+  {
+    const PatientLock lock(mesh.mutex());
     for (std::size_t i = 0; i < wanted.size(); ++i) slots[i] = mesh.replica().FindSlot(wanted[i]);
-  });
+  }
   return Take(std::move(slots));
 }
 
@@ -131,23 +132,27 @@ py::array FindCells(SharedMesh& mesh, const InArray<std::uint64_t>& ids) {
   const auto all = SpanOf(ids);
   std::vector<Slot> slots;
   slots.reserve(all.size() / width);
-  WithLock(mesh.mutex(), [&] {
+  {
+    const PatientLock lock(mesh.mutex());
     for (std::size_t i = 0; i + width <= all.size(); i += width) {
       slots.push_back(mesh.replica().FindSimplexSlot(all.subspan(i, width)));
     }
-  });
+  }
   return Take(std::move(slots));
 }
 
 // The diff from the mesh to a whole mesh of any revision.
 std::shared_ptr<Diff> DiffTo(SharedMesh& mesh, const Mesh& whole) {
   py::gil_scoped_release release;
-  const std::lock_guard lock(mesh.mutex());
+  const MutexLock lock(mesh.mutex());
   return std::make_shared<Diff>(Diff{mesh_data::DiffMeshes(mesh.replica().ToMesh(), whole), false});
 }
 
 py::dict RegionSets(SharedMesh& mesh) {
-  const auto sets = WithLock(mesh.mutex(), [&] { return mesh.replica().region_sets(); });
+  const auto sets = [&mesh] {
+    const PatientLock lock(mesh.mutex());
+    return mesh.replica().region_sets();
+  }();
   py::dict result;
   for (const RegionSet& set : sets) result[py::int_(set.id)] = py::tuple(py::cast(set.polygons));
   return result;
@@ -157,7 +162,11 @@ py::dict RegionSets(SharedMesh& mesh) {
 template <class T, class Width>
 auto Column(HeldColumn<T> (SharedMesh::*column)(), Width width) {
   return [column, width](SharedMesh& mesh) {
-    return View(WithLock(mesh.mutex(), [&] { return (mesh.*column)(); }), width(mesh.dimension()));
+    HeldColumn<T> held = [column, &mesh] {
+      const PatientLock lock(mesh.mutex());
+      return (mesh.*column)();
+    }();
+    return View(std::move(held), width(mesh.dimension()));
   };
 }
 template <class T>
@@ -248,11 +257,14 @@ void BindMesh(py::module_& module) {
       .def_property_readonly("subfacets", Column(&SharedMesh::subfacets, fixed(3)))
       .def_property_readonly("subfacet_owners", Column(&SharedMesh::subfacet_owners))
       .def_property_readonly("region_sets", &RegionSets)
-      .def_property_readonly(
-          "labels",
-          [](SharedMesh& m) {
-            return LabelTuples(WithLock(m.mutex(), [&] { return m.replica().labels(); }));
-          })
+      .def_property_readonly("labels",
+                             [](SharedMesh& m) {
+                               const auto labels = [&m] {
+                                 const PatientLock lock(m.mutex());
+                                 return m.replica().labels();
+                               }();
+                               return LabelTuples(labels);
+                             })
       .def("compact", &CompactDict)
       .def("patch", &PatchDict)
       .def("find", &Find)

@@ -77,23 +77,25 @@ class ChangedRows {
 }  // namespace
 
 // Holds the lock of edits, unless this thread has it already: then the call came out of an edit.
-class SharedMesh::Editing {
+class ABSL_SCOPED_LOCKABLE SharedMesh::Editing {
  public:
   explicit Editing(SharedMesh& mesh)
-      : mesh_(mesh), is_nested_(mesh.editor_.load() == std::this_thread::get_id()) {
+      ABSL_EXCLUSIVE_LOCK_FUNCTION(mesh.edit_mutex_) ABSL_NO_THREAD_SAFETY_ANALYSIS
+      : mesh_(mesh),
+        is_nested_(mesh.editor_.load() == std::this_thread::get_id()) {
     if (is_nested_) return;
-    mesh_.edit_mutex_.lock();
+    mesh_.edit_mutex_.Lock();
     mesh_.editor_.store(std::this_thread::get_id());
   }
-  ~Editing() {
+  ~Editing() ABSL_UNLOCK_FUNCTION() ABSL_NO_THREAD_SAFETY_ANALYSIS {
     if (is_nested_) return;
     mesh_.editor_.store(std::thread::id());
-    mesh_.edit_mutex_.unlock();
+    mesh_.edit_mutex_.Unlock();
   }
   Editing(const Editing&) = delete;
   Editing& operator=(const Editing&) = delete;
 
-  absl::Status status() const {
+  absl::Status status() const ABSL_NO_THREAD_SAFETY_ANALYSIS {
     if (mesh_.mesher_ == nullptr) {
       return absl::FailedPreconditionError("a replica of a server's mesh has no mesher here");
     }
@@ -131,13 +133,13 @@ SharedMesh::SharedMesh(std::unique_ptr<DynamicMesh> mesher, SlotMesh replica)
 }
 
 void SharedMesh::NoteNumbers() {
-  const std::lock_guard lock(numbers_mutex_);
+  const MutexLock lock(numbers_mutex_);
   numbers_ = {replica_.revision(),      replica_.hash(),       replica_.vertex_count(),
               replica_.simplex_count(), replica_.ids().size(), replica_.regions().size()};
 }
 
 MeshNumbers SharedMesh::numbers() const {
-  const std::lock_guard lock(numbers_mutex_);
+  const MutexLock lock(numbers_mutex_);
   return numbers_;
 }
 
@@ -147,7 +149,7 @@ absl::StatusOr<MeshDiff> SharedMesh::Edit(const EditBatch& batch, ApplyOptions o
   // As the last step of the edit: if the replica cannot follow, the edit is undone.
   options.commit = [this](const MeshDiff& diff) {
     if (diff.from_revision == diff.to_revision) return absl::OkStatus();
-    const std::lock_guard lock(replica_mutex_);
+    const MutexLock lock(replica_mutex_);
     return ApplyLocked(diff, false);
   };
   return mesher_->Apply(batch, options);
@@ -172,7 +174,7 @@ absl::StatusOr<std::vector<Slot>> SharedMesh::Locate(std::span<const double> poi
   const auto width = static_cast<std::size_t>(dimension_ + 1);
   std::vector<Slot> slots;
   slots.reserve(ids.size() / width);
-  const std::lock_guard lock(replica_mutex_);
+  const MutexLock lock(replica_mutex_);
   for (std::size_t i = 0; i + width <= ids.size(); i += width) {
     slots.push_back(replica_.FindSimplexSlot(std::span(ids).subspan(i, width)));
   }
@@ -186,7 +188,7 @@ absl::StatusOr<AuditReport> SharedMesh::Audit() {
 }
 
 absl::Status SharedMesh::Apply(const MeshDiff& diff, bool extends) {
-  const std::lock_guard lock(replica_mutex_);
+  const MutexLock lock(replica_mutex_);
   return ApplyLocked(diff, extends);
 }
 
@@ -196,7 +198,9 @@ absl::Status SharedMesh::ApplyLocked(const MeshDiff& diff, bool extends) {
   const bool has_cells = cells_.in_use() || regions_.in_use();
   const bool has_subsegments = subsegments_.in_use() || subsegment_owners_.in_use();
   const bool has_subfacets = subfacets_.in_use() || subfacet_owners_.in_use();
-  const auto apply = [&] { return extends ? replica_.Extend(diff) : replica_.Apply(diff); };
+  const auto apply = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_) {
+    return extends ? replica_.Extend(diff) : replica_.Apply(diff);
+  };
   absl::Status status;
   if (has_vertices || has_cells || neighbours_.in_use() || has_subsegments || has_subfacets) {
     ChangedRows rows(replica_, diff, extends, neighbours_.in_use());
@@ -231,7 +235,7 @@ absl::Status SharedMesh::ApplyLocked(const MeshDiff& diff, bool extends) {
 }
 
 PatchColumns SharedMesh::TakePatch() const {
-  const std::lock_guard lock(replica_mutex_);
+  const MutexLock lock(replica_mutex_);
   PatchColumns result;
   result.patch = replica_.patch();
   const auto width = static_cast<std::size_t>(dimension_ + 1);
@@ -253,7 +257,7 @@ PatchColumns SharedMesh::TakePatch() const {
 }
 
 CompactColumns SharedMesh::TakeCompact() const {
-  const std::lock_guard lock(replica_mutex_);
+  const MutexLock lock(replica_mutex_);
   CompactColumns result;
   CompactNumbering& numbering = result.numbering;
   numbering = replica_.Compact();

@@ -19,7 +19,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <thread>
 #include <vector>
@@ -27,6 +26,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/python/module/held_column.h"
+#include "core/base/mutex.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/slot_mesh.h"
 
@@ -86,53 +86,61 @@ class SharedMesh {
   MeshNumbers numbers() const;
   // The lock of the replica, and the replica. It is held for the time of a diff, a transfer or a
   // copy of the mesh. The holder must not call this object.
-  std::mutex& mutex() const { return replica_mutex_; }
-  const SlotMesh& replica() const { return replica_; }
-  SlotMesh& replica() { return replica_; }
+  Mutex& mutex() const ABSL_LOCK_RETURNED(replica_mutex_) { return replica_mutex_; }
+  const SlotMesh& replica() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_) { return replica_; }
+  SlotMesh& replica() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_) { return replica_; }
   PatchColumns TakePatch() const;
   CompactColumns TakeCompact() const;
 
-  // The columns of SlotMesh. REQUIRES: mutex() is held.
+  // The columns of SlotMesh.
 
-  HeldColumn<double> points();
-  HeldColumn<VertexId> ids();
-  HeldColumn<std::uint8_t> containing_dimensions();
-  HeldColumn<FeatureId> owners();
-  HeldColumn<Slot> cells();
-  HeldColumn<Slot> neighbours();
-  HeldColumn<RegionId> regions();
-  HeldColumn<Slot> subsegments();
-  HeldColumn<FeatureId> subsegment_owners();
-  HeldColumn<Slot> subfacets();
-  HeldColumn<FeatureId> subfacet_owners();
+  HeldColumn<double> points() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<VertexId> ids() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<std::uint8_t> containing_dimensions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<FeatureId> owners() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<Slot> cells() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<Slot> neighbours() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<RegionId> regions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<Slot> subsegments() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<FeatureId> subsegment_owners() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<Slot> subfacets() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  HeldColumn<FeatureId> subfacet_owners() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
 
  private:
   class Editing;
 
   SharedMesh(std::unique_ptr<DynamicMesh> mesher, SlotMesh replica);
-  absl::Status ApplyLocked(const MeshDiff& diff, bool extends);
-  void NoteNumbers();
+  absl::Status ApplyLocked(const MeshDiff& diff, bool extends)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
+  void NoteNumbers() ABSL_EXCLUSIVE_LOCKS_REQUIRED(replica_mutex_);
 
   const int dimension_;
   const MeshOptions options_;
 
-  std::mutex edit_mutex_;
-  std::atomic<std::thread::id> editor_;  // the thread that holds it
-  std::unique_ptr<DynamicMesh> mesher_;  // null: a replica alone
+  Mutex edit_mutex_;
+  std::atomic<std::thread::id> editor_;                               // the thread that holds it
+  std::unique_ptr<DynamicMesh> mesher_ ABSL_GUARDED_BY(edit_mutex_);  // null: a replica alone
 
-  mutable std::mutex replica_mutex_;
-  SlotMesh replica_;
+  mutable Mutex replica_mutex_;
+  SlotMesh replica_ ABSL_GUARDED_BY(replica_mutex_);
   // Rows that changed, as far as there are copies that need them.
-  RowLog vertex_log_, cell_log_, neighbour_log_, subsegment_log_, subfacet_log_;
-  ColumnCopies<double> points_;
-  ColumnCopies<VertexId> ids_;
-  ColumnCopies<std::uint8_t> containing_dimensions_;
-  ColumnCopies<FeatureId> owners_, subsegment_owners_, subfacet_owners_;
-  ColumnCopies<Slot> cells_, neighbours_, subsegments_, subfacets_;
-  ColumnCopies<RegionId> regions_;
+  RowLog vertex_log_ ABSL_GUARDED_BY(replica_mutex_), cell_log_ ABSL_GUARDED_BY(replica_mutex_),
+      neighbour_log_ ABSL_GUARDED_BY(replica_mutex_),
+      subsegment_log_ ABSL_GUARDED_BY(replica_mutex_),
+      subfacet_log_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<double> points_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<VertexId> ids_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<std::uint8_t> containing_dimensions_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<FeatureId> owners_ ABSL_GUARDED_BY(replica_mutex_),
+      subsegment_owners_ ABSL_GUARDED_BY(replica_mutex_),
+      subfacet_owners_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<Slot> cells_ ABSL_GUARDED_BY(replica_mutex_),
+      neighbours_ ABSL_GUARDED_BY(replica_mutex_), subsegments_ ABSL_GUARDED_BY(replica_mutex_),
+      subfacets_ ABSL_GUARDED_BY(replica_mutex_);
+  ColumnCopies<RegionId> regions_ ABSL_GUARDED_BY(replica_mutex_);
 
-  mutable std::mutex numbers_mutex_;
-  MeshNumbers numbers_;
+  mutable Mutex numbers_mutex_;
+  MeshNumbers numbers_ ABSL_GUARDED_BY(numbers_mutex_);
 };
 
 }  // namespace dynmesh::python

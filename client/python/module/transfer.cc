@@ -49,7 +49,7 @@ class SharedTransfer {
   SharedTransfer(SharedMesh& mesh, std::uint64_t from_revision, std::uint64_t to_revision)
       : mesh_(mesh) {
     py::gil_scoped_release release;
-    const std::lock_guard lock(mesh_.mutex());
+    const MutexLock lock(mesh_.mutex());
     const MeshPatch& patch = mesh_.replica().patch();
     if (patch.from_revision != from_revision || patch.to_revision != to_revision) {
       throw StatusError(absl::FailedPreconditionError("the mesh has a later patch"));
@@ -61,7 +61,7 @@ class SharedTransfer {
   template <class F>
   auto Use(F f) {
     py::gil_scoped_release release;
-    const std::lock_guard lock(mesh_.mutex());
+    const MutexLock lock(mesh_.mutex());
     return f(*transfer_);
   }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/python/module/held_column.h"
+#include "core/base/mutex.h"
 
 namespace dynmesh::python {
 namespace {
@@ -64,7 +65,7 @@ void ForEachColumn(SharedMesh& mesh, F f) {
 }
 
 void ExpectColumnsAreTheReplicas(SharedMesh& mesh) {
-  const std::lock_guard lock(mesh.mutex());
+  const MutexLock lock(mesh.mutex());
   int column = 0;
   ForEachColumn(mesh, [&](const auto& held, const auto& now) {
     EXPECT_EQ(ValuesOf(held), ValuesOf(now)) << "column " << column;
@@ -84,7 +85,7 @@ TEST(SharedMesh, EditsOfManyThreadsMakeTheMeshOfTheSameEditsInSeries) {
       HeldColumn<VertexId> ids;
       HeldColumn<Slot> cells;
       {
-        const std::lock_guard lock(shared->mutex());
+        const MutexLock lock(shared->mutex());
         points = shared->points(), ids = shared->ids(), cells = shared->cells();
       }
       ASSERT_EQ(points.size(), 2 * ids.size());
@@ -205,7 +206,7 @@ TEST_P(HeldColumns, StayAsTheyWereAndNewOnesAreUpToDate) {
     if (step % 3 == 0) ExpectColumnsAreTheReplicas(*mesh);
     if (step % 7 != 0) continue;
     seen.emplace_back(), held.emplace_back();
-    const std::lock_guard lock(mesh->mutex());
+    const MutexLock lock(mesh->mutex());
     ForEachColumn(*mesh, [&](auto column, const auto&) {
       const auto shared = std::make_shared<decltype(column)>(std::move(column));
       const auto bytes = [shared] {
