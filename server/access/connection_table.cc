@@ -10,6 +10,8 @@ using std::chrono::seconds;
 
 // While an address has had too many wasted calls.
 constexpr seconds kBlocked{1};
+// And then its new connections enter one at a time.
+constexpr seconds kProbation{30};
 // Between two sweeps of an address that has no room.
 constexpr milliseconds kBetweenSweeps{50};
 // Wasted calls of a second for which a connection with an answered call is cut, too: others may
@@ -63,14 +65,18 @@ ConnectionTable::Address& ConnectionTable::AddressOfLocked(const PeerKey& peer, 
 void ConnectionTable::ForgetAddressesLocked(Time now) {
   absl::erase_if(addresses_, [&](auto& entry) {
     Address& address = *entry.second;
-    return address.waiting.empty() && address.descriptors.empty() && now >= address.blocked_until &&
-           address.fresh.IsFull(limits_.new_per_second, now) &&
+    return address.waiting.empty() && address.descriptors.empty() &&
+           now >= address.probation_until && address.fresh.IsFull(limits_.new_per_second, now) &&
            address.wasted.IsFull(limits_.wasted_per_second, now);
   });
   sweep_at_ = std::max<std::size_t>(1024, 2 * addresses_.size());
 }
 
 bool ConnectionTable::MayEnterLocked(Address& address, Time now) {
+  if (now < address.probation_until && address.unanswered > 0) {
+    SweepIfDueLocked(address, now);
+    if (address.unanswered > 0) return false;
+  }
   return address.fresh.Take(limits_.new_per_second, now);
 }
 
@@ -80,10 +86,7 @@ ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time
   const auto is_full = [&] {
     return address.descriptors.size() + address.waiting.size() >= limits_.per_address;
   };
-  if (is_full() && now - address.swept >= kBetweenSweeps) {
-    address.swept = now;
-    SweepLocked(address);
-  }
+  if (is_full()) SweepIfDueLocked(address, now);
   if (now < address.blocked_until || is_full() || address.waiting.size() >= kMostWaiting) {
     ++counts_.refused;
     return Arrival::kRefused;
@@ -97,7 +100,9 @@ ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time
 void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket) {
   const MutexLock lock(mutex_);
   ForgetLocked(socket.descriptor);
-  AddressOfLocked(peer, Clock::now()).descriptors.insert(socket.descriptor);
+  Address& address = AddressOfLocked(peer, Clock::now());
+  address.descriptors.insert(socket.descriptor);
+  ++address.unanswered;
   Connection connection;
   connection.peer = peer;
   connection.cookie = socket.cookie;
@@ -109,15 +114,23 @@ void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket) {
 void ConnectionTable::ForgetLocked(int descriptor) {
   const auto it = connections_.find(descriptor);
   if (it == connections_.end()) return;
-  const PeerKey peer = it->second.peer;
-  if (!it->second.is_answered) unanswered_.fetch_sub(1, std::memory_order_relaxed);
+  const Connection& connection = it->second;
+  const PeerKey peer = connection.peer;
+  if (!connection.is_answered) unanswered_.fetch_sub(1, std::memory_order_relaxed);
   if (const auto address = addresses_.find(ClientKeyOf(peer)); address != addresses_.end()) {
     address->second->descriptors.erase(descriptor);
+    if (!connection.is_answered && !connection.is_cut) --address->second->unanswered;
   }
   // The client may have opened another one from the same port.
   const auto named = descriptors_.find(peer);
   if (named != descriptors_.end() && named->second == descriptor) descriptors_.erase(named);
   connections_.erase(it);
+}
+
+void ConnectionTable::SweepIfDueLocked(Address& address, Time now) {
+  if (now - address.swept < kBetweenSweeps) return;
+  address.swept = now;
+  SweepLocked(address);
 }
 
 void ConnectionTable::SweepLocked(const Address& address) {
@@ -142,6 +155,7 @@ ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
   if (counts_.waiting == 0) return ready;
   for (auto& [key, address] : addresses_) {
     const bool is_blocked = now < address->blocked_until;
+    const bool enters_alone = now < address->probation_until;
     bool has_room = true;
     std::deque<Waiting> stay;
     for (; !address->waiting.empty(); address->waiting.pop_back()) {
@@ -155,6 +169,7 @@ ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
       has_room = has_room && (sender == Sender::kSilent || MayEnterLocked(*address, now));
       if (sender == Sender::kReady && has_room) {
         ready.enter.push_back(waiting);
+        if (enters_alone) has_room = false;
       } else {
         stay.push_front(waiting);
       }
@@ -190,6 +205,7 @@ bool ConnectionTable::Answered(const PeerKey& peer, Time now) {
   connection.is_answered = true;
   unanswered_.fetch_sub(1, std::memory_order_relaxed);
   Address& address = AddressOfLocked(peer, now);
+  --address.unanswered;
   address.fresh.GiveBack(limits_.new_per_second);
   return !address.waiting.empty();
 }
@@ -199,7 +215,10 @@ bool ConnectionTable::Wasted(const PeerKey& peer, Time now) {
   ++counts_.wasted;
   Address& address = AddressOfLocked(peer, now);
   const bool is_within = address.wasted.Take(limits_.wasted_per_second, now);
-  if (!is_within) address.blocked_until = now + kBlocked;
+  if (!is_within) {
+    address.blocked_until = now + kBlocked;
+    address.probation_until = now + kProbation;
+  }
   const auto named = descriptors_.find(peer);
   if (named == descriptors_.end()) return false;
   Connection& connection = connections_.at(named->second);
@@ -210,6 +229,7 @@ bool ConnectionTable::Wasted(const PeerKey& peer, Time now) {
   }
   ++connection.wasted;
   if (is_within || (connection.is_answered && connection.wasted < kWastedOfAnswered)) return false;
+  if (!connection.is_answered) --address.unanswered;
   connection.is_cut = true;
   ++counts_.cut;
   system_.cut({named->second, connection.cookie});

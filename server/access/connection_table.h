@@ -6,7 +6,9 @@
 // calls of others wait behind these. So calls that were for nothing are counted here. When an
 // address has had too many in a second, its connections that brought them are cut, with what they
 // have sent, and its new ones are refused for a second. gRPC queues calls faster than it handles
-// them, so what counts is how many connections enter before the first calls are counted.
+// them, so what counts is how many connections enter before the first calls are counted. Of an
+// address that was refused, they enter one at a time for half of a minute: the next one when a call
+// of the last one was answered, or it was cut or closed.
 //
 // New connections of an address without an answered call enter at a limited rate: each costs a
 // handshake, and may bring calls before one of them has been counted. Those that are too many wait
@@ -134,8 +136,9 @@ class ConnectionTable {
   struct Address {
     // One entry of a new connection costs far more than a wasted call.
     Bucket fresh{0.4}, wasted{1};
-    Time blocked_until;
+    Time blocked_until, probation_until;
     Time swept;
+    std::size_t unanswered = 0;  // connections without an answered call, that are not cut
     std::deque<Waiting> waiting;
     absl::flat_hash_set<int> descriptors;
   };
@@ -153,6 +156,7 @@ class ConnectionTable {
 
   bool MayEnterLocked(Address& address, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ForgetLocked(int descriptor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SweepIfDueLocked(Address& address, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SweepLocked(const Address& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ForgetAddressesLocked(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

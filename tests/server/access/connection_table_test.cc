@@ -162,11 +162,39 @@ TEST_F(ConnectionTableTest, TooManyWastedCallsCutTheConnectionsThatBroughtThem) 
   now_ += milliseconds(900);
   EXPECT_EQ(Arrive(kHere, 7), Arrival::kRefused);
   now_ += milliseconds(100);
-  EXPECT_EQ(Arrive(kHere, 8), Arrival::kEnters);
+  EXPECT_EQ(Arrive(kHere, 8), Arrival::kWaits);  // for a call of 3
+  EXPECT_TRUE(table_->Answered(Peer(kHere, 3), now_));
+  EXPECT_EQ(EnterReady(), std::vector{8});
   const auto counts = table_->counts();
   EXPECT_EQ(counts.cut, 1u);
   EXPECT_EQ(counts.wasted, 13u);
   EXPECT_EQ(counts.open, 6u);
+}
+
+TEST_F(ConnectionTableTest, AfterTooManyWastedCallsConnectionsEnterOneAtATime) {
+  Make({100, 20, 2});
+  ASSERT_EQ(Arrive(kHere, 1), Arrival::kEnters);
+  for (int i = 0; i < 3; ++i) table_->Wasted(Peer(kHere, 1), now_);
+  ASSERT_EQ(cut_, std::set{1});
+  now_ += milliseconds(1001);
+  EXPECT_EQ(Arrive(kHere, 2), Arrival::kEnters);  // the one that was cut does not count
+  for (int port = 3; port <= 6; ++port) EXPECT_EQ(Arrive(kHere, port), Arrival::kWaits);
+  EXPECT_EQ(Arrive(kThere, 7), Arrival::kEnters);  // other addresses are not concerned
+  EXPECT_EQ(Arrive(kThere, 8), Arrival::kEnters);
+  now_ += seconds(1);
+  EXPECT_TRUE(EnterReady().empty());
+  EXPECT_TRUE(table_->Answered(Peer(kHere, 2), now_));
+  EXPECT_EQ(EnterReady(), std::vector{6});  // the newest first, and no more than one
+  EXPECT_TRUE(EnterReady().empty());
+  Close(6);
+  now_ += seconds(1);
+  EXPECT_EQ(EnterReady(), std::vector{5});
+  for (int i = 0; i < 3; ++i) table_->Wasted(Peer(kHere, 5), now_);
+  EXPECT_EQ(cut_, (std::set{1, 5}));
+  EXPECT_TRUE(EnterReady().empty());  // refused again
+  EXPECT_EQ(closed_, (std::set{3, 4}));
+  now_ += seconds(31);
+  for (int port = 10; port <= 13; ++port) EXPECT_EQ(Arrive(kHere, port), Arrival::kEnters);
 }
 
 TEST_F(ConnectionTableTest, ConnectionsThatWaitAreRefusedWithTheirAddress) {
