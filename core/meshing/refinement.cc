@@ -184,6 +184,7 @@ bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::BeginCures(absl::FunctionRef<bool()> interrupt) {
+  if (interrupt()) return false;  // what the base does is no operation's work
   complex_.run.EndNumbersByAge();
   return parts_->sliver_base.Update(interrupt);
 }

@@ -92,8 +92,9 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
                       FeatureSlot feature) override;
   void RemoveFacet(FacetIndex index) override;
 
-  // Runs what is due, for the first time or again. `interrupt()` is called before each operation;
-  // if it returns true, Propagate returns false. See sac::Engine::Propagate.
+  // Runs what is due, for the first time or again. `interrupt()` is called before each operation,
+  // and before the base of cures follows the mesh; if it returns true, Propagate returns false. See
+  // sac::Engine::Propagate.
   bool Propagate(absl::FunctionRef<bool()> interrupt);
 
   // From now on neighbourhoods are found in the spatial tree.

@@ -25,7 +25,8 @@
 
 namespace dynmesh {
 
-// A vertex that occurs in a trace.
+// A vertex that occurs in a trace. An operation that runs again may make a vertex at the same
+// position with other properties: that is another one.
 struct TraceVertex {
   VertexId id = 0;                      // VertexIdAt, with salt 0
   std::array<double, 3> position = {};  // in 2D the last coordinate is 0
@@ -77,7 +78,7 @@ struct TraceOperation {
   std::vector<std::uint32_t> requests;   // operations that exist because of it
   Fate fate = Fate::kKept;               // in the last batch
   // Of one that ran again: the operation with a change that it had read. None: that change is of
-  // the input.
+  // the input, or of the mesh's slivers (min_dihedral).
   std::optional<std::uint32_t> because;
 };
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/base/text.h"
@@ -94,6 +95,13 @@ void CheckOrder(const Trace& trace) {
   }
 }
 
+std::multiset<std::tuple<TraceOutput::What, std::uint32_t, std::uint32_t>> OutputsOf(
+    const std::vector<TraceOutput>& made) {
+  std::multiset<std::tuple<TraceOutput::What, std::uint32_t, std::uint32_t>> outputs;
+  for (const TraceOutput& o : made) outputs.emplace(o.what, o.ends[0], o.ends[1]);
+  return outputs;
+}
+
 void CheckCauses(const Trace& trace) {
   for (std::size_t i = 0; i < trace.operations.size(); ++i) {
     const TraceOperation& operation = trace.operations[i];
@@ -107,7 +115,8 @@ void CheckCauses(const Trace& trace) {
     const TraceOperation& cause = trace.operations[*operation.because];
     ASSERT_NE(cause.fate, Fate::kKept);
     if (cause.fate == Fate::kRerun) {
-      ASSERT_NE(TextOf(trace, cause.made), TextOf(trace, cause.made_before));
+      // By vertex, not by position: one that is made with other properties is another one.
+      ASSERT_NE(OutputsOf(cause.made), OutputsOf(cause.made_before));
     }
   }
 }
@@ -198,8 +207,11 @@ TEST_F(TraceTest, OfCuresToo) {
   options.dimension = 3;
   options.min_dihedral = 5;
   Seen seen;
-  const std::vector<Feature> points = RandomPoints(6, 3);
-  CheckTrace(points, {Edit::Remove(1)}, options, &seen);
+  for (const std::uint64_t seed : {random_(), std::uint64_t{460204754}}) {
+    SCOPED_TRACE(seed);
+    random_.seed(seed);
+    ASSERT_NO_FATAL_FAILURE(CheckTrace(RandomPoints(6, 3), {Edit::Remove(1)}, options, &seen));
+  }
   EXPECT_GT(seen.rerun, 0u);
 }
 
