@@ -136,7 +136,7 @@ absl::Status Opener::LookIntoDatabase() {
   const auto version = NumberOf(out_.connection, "PRAGMA user_version");
   if (!version.ok()) return version.status();
   version_ = *version;
-  if (absl::Status s = CheckJournalSchema(version_); !s.ok()) return s;
+  if (absl::Status s = CheckSchema(version_, SchemasOfJournals()); !s.ok()) return s;
   const auto tables = NumberOf(out_.connection, "SELECT count(*) FROM sqlite_schema");
   if (!tables.ok()) return tables.status();
   is_new_ = version_ == 0;

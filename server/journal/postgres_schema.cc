@@ -48,22 +48,7 @@ constexpr char kTables[] = R"(
 // None yet. A step that changes no table, as for other bits of meshes, is an empty text.
 constexpr std::array<const char*, kPostgresSchema - kFirstSchema> kSteps = {};
 static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
-constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps};
-
-absl::Status CheckVersion(std::int64_t version, const Schemas& schemas) {
-  if (version > schemas.present()) {
-    return absl::FailedPreconditionError(absl::StrCat("it has schema ", version,
-                                                      ", this dynmeshd knows ", schemas.present(),
-                                                      ": take the newer version that wrote it"));
-  }
-  if (version < schemas.first) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "it has schema ", version, ", the oldest that this dynmeshd reads is ", schemas.first,
-        ": start the version that wrote it, save each mesh's features (dynmesh features), and load "
-        "them into a new database"));
-  }
-  return absl::OkStatus();
-}
+constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps, "database"};
 
 // By a query: to_regclass answers from a cache, which does not notice within a transaction what
 // another server has made meanwhile.
@@ -100,13 +85,9 @@ absl::Status MakeOrUpgrade(Session& session, const Schemas& schemas) {
   const absl::StatusOr<std::int64_t> version = VersionOf(session);
   if (!version.ok()) return version.status();
   const bool is_new = *version == 0;
-  if (!is_new) {
-    if (absl::Status s = CheckVersion(*version, schemas); !s.ok()) return s;
-  }
+  if (absl::Status s = CheckSchema(*version, schemas); !s.ok()) return s;
   if (is_new || *version < schemas.present()) {
-    std::string sql = is_new ? schemas.tables : "";
-    const std::size_t done = is_new ? 0 : static_cast<std::size_t>(*version - schemas.first);
-    for (const char* step : schemas.steps.subspan(done)) sql += step;
+    std::string sql = StepsFrom(*version, schemas);
     absl::StrAppend(
         &sql,
         is_new ? "INSERT INTO dynmesh.journal VALUES(" : "UPDATE dynmesh.journal SET version = (",
@@ -129,9 +110,7 @@ absl::Status PrepareSchema(Session& session, const Schemas& schemas) {
   const absl::StatusOr<std::int64_t> version = VersionOf(session);
   if (!version.ok()) return version.status();
   if (*version == schemas.present()) return absl::OkStatus();
-  if (*version != 0) {
-    if (absl::Status s = CheckVersion(*version, schemas); !s.ok()) return s;
-  }
+  if (absl::Status s = CheckSchema(*version, schemas); !s.ok()) return s;
   return MakeOrUpgrade(session, schemas);
 }
 

@@ -12,24 +12,15 @@
 #ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_SCHEMA_H_
 #define DYNMESH_SERVER_JOURNAL_POSTGRES_SCHEMA_H_
 
-#include <span>
-
 #include "absl/status/status.h"
 #include "server/journal/postgres_session.h"
+#include "server/journal/schemas.h"
 
 namespace dynmesh::server::postgres {
 
 // The version of the schema; also counts changes of meshes' bits, as SQLite's does.
 inline constexpr int kPostgresSchema = 3;
 
-// The versions that a database may have. A new one gets the tables of the first, and all steps.
-struct Schemas {
-  int first;                           // the oldest that is read
-  const char* tables;                  // makes it
-  std::span<const char* const> steps;  // steps[n] leads from version first + n to the next
-
-  int present() const { return first + static_cast<int>(steps.size()); }
-};
 // Those of this program; present() is kPostgresSchema.
 const Schemas& SchemasOfDatabases();
 

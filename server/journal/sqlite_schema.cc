@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
@@ -50,7 +49,7 @@ constexpr char kTables[] = R"(
 // None yet. A step that changes no table, as for other bits of meshes, is an empty text.
 constexpr std::array<const char*, kJournalSchema - kFirstSchema> kSteps = {};
 static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
-constexpr JournalSchemas kSchemas = {kFirstSchema, kTables, kSteps};
+constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps, "journal"};
 
 absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
   Statement statement(connection, "PRAGMA user_version");
@@ -61,25 +60,10 @@ absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
 
 }  // namespace
 
-const JournalSchemas& SchemasOfJournals() { return kSchemas; }
-
-absl::Status CheckJournalSchema(std::int64_t schema, const JournalSchemas& schemas) {
-  if (schema > schemas.present()) {
-    return absl::FailedPreconditionError(absl::StrCat("it has schema ", schema,
-                                                      ", this dynmeshd knows ", schemas.present(),
-                                                      ": take the newer version that wrote it"));
-  }
-  if (schema != 0 && schema < schemas.first) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "it has schema ", schema, ", the oldest that this dynmeshd reads is ", schemas.first,
-        ": start the version that wrote it, save each mesh's features (dynmesh features), and load "
-        "them into a new journal"));
-  }
-  return absl::OkStatus();
-}
+const Schemas& SchemasOfJournals() { return kSchemas; }
 
 absl::Status PrepareJournal(Connection& connection, const std::string& path, absl::string_view id,
-                            const JournalSchemas& schemas) {
+                            const Schemas& schemas) {
   if (absl::Status s = connection.Run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
                                       "PRAGMA journal_size_limit=67108864");
       !s.ok()) {
@@ -87,13 +71,10 @@ absl::Status PrepareJournal(Connection& connection, const std::string& path, abs
   }
   const absl::StatusOr<std::int64_t> version = VersionOf(connection);
   if (!version.ok()) return version.status();
-  if (absl::Status s = CheckJournalSchema(*version, schemas); !s.ok()) return s;
+  if (absl::Status s = CheckSchema(*version, schemas); !s.ok()) return s;
   if (*version == schemas.present()) return absl::OkStatus();
   const bool is_new = *version == 0;
-  std::string sql = "BEGIN IMMEDIATE;";
-  if (is_new) sql += schemas.tables;
-  const std::size_t done = is_new ? 0 : static_cast<std::size_t>(*version - schemas.first);
-  for (const char* step : schemas.steps.subspan(done)) sql += step;
+  std::string sql = absl::StrCat("BEGIN IMMEDIATE;", StepsFrom(*version, schemas));
   if (is_new) {
     absl::StrAppend(&sql, "INSERT INTO journal VALUES(x'", absl::BytesToHexString(id), "');");
   }

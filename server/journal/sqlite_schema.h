@@ -14,10 +14,10 @@
 #define DYNMESH_SERVER_JOURNAL_SQLITE_SCHEMA_H_
 
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include "absl/status/status.h"
+#include "server/journal/schemas.h"
 #include "server/journal/sqlite.h"
 
 namespace dynmesh::server {
@@ -25,26 +25,13 @@ namespace dynmesh::server {
 // The schema's number in the file. It also counts changes of meshes' bits.
 inline constexpr int kJournalSchema = 11;
 
-// The schemas that a journal may have. A new file gets the tables of the first, and all steps.
-struct JournalSchemas {
-  int first;                           // the oldest that is read
-  const char* tables;                  // makes it
-  std::span<const char* const> steps;  // steps[n] leads from schema first + n to the next
-
-  int present() const { return first + static_cast<int>(steps.size()); }
-};
 // Those of this program; present() is kJournalSchema.
-const JournalSchemas& SchemasOfJournals();
-
-// FAILED_PRECONDITION for a newer schema than the present, and for one before the first.
-absl::Status CheckJournalSchema(std::int64_t schema,
-                                const JournalSchemas& schemas = SchemasOfJournals());
+const Schemas& SchemasOfJournals();
 
 // Configures the connection, and makes the tables or upgrades an older schema, in one transaction;
-// an upgrade takes O(file). `id`: given to a new journal. Errors: as CheckJournalSchema.
+// an upgrade takes O(file). `id`: given to a new journal. Errors: as CheckSchema.
 absl::Status PrepareJournal(sqlite::Connection& connection, const std::string& path,
-                            absl::string_view id,
-                            const JournalSchemas& schemas = SchemasOfJournals());
+                            absl::string_view id, const Schemas& schemas = SchemasOfJournals());
 
 }  // namespace dynmesh::server
 

@@ -140,12 +140,9 @@ absl::Status MeshHost::Apply(EditJob job) {
   absl::StatusOr<Lease> place = TakeWaiting(shared->client);
   if (!place.ok()) return place.status();
   if (*place) shared->waiting = std::make_shared<Lease>(*std::move(place));
-  auto task = [self, shared] {
-    self->strand_.AssertHeld();
-    self->Run(shared);
-  };
-  if (!queue_->TryPost(std::move(task), max_waiting_, OwnerOf(shared)))
+  if (!queue_->TryPost(TaskOf(shared), max_waiting_, OwnerOf(shared))) {
     return QueueFull(max_waiting_);
+  }
   WithdrawIfCancelled(cancelled);
   return absl::OkStatus();
 }
@@ -154,11 +151,7 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   const auto self = shared_from_this();
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
-  auto task = [self, shared] {
-    self->strand_.AssertHeld();
-    self->Run(shared);
-  };
-  queue_->Post(std::move(task), OwnerOf(shared));
+  queue_->Post(TaskOf(shared), OwnerOf(shared));
   WithdrawIfCancelled(cancelled);
 }
 
@@ -172,6 +165,13 @@ absl::StatusOr<Lease> MeshHost::TakeWaiting(absl::string_view client) {
 // The flag may have turned true before the job was queued.
 void MeshHost::WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
   if (cancelled != nullptr && cancelled->load()) Withdraw(cancelled);
+}
+
+WorkerPool::Task MeshHost::TaskOf(const std::shared_ptr<EditJob>& job) {
+  return [self = shared_from_this(), job] {
+    self->strand_.AssertHeld();
+    self->Run(job);
+  };
 }
 
 TaskOwner MeshHost::OwnerOf(std::shared_ptr<EditJob> job) {

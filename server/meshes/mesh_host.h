@@ -185,6 +185,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
            WorkerPool* readers, const Options& options, Past past);
 
+  // A job's task on the strand.
+  WorkerPool::Task TaskOf(const std::shared_ptr<EditJob>& job);
   TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
   // A place among those that wait; empty for an empty `client`. Else QUEUE_FULL.
   absl::StatusOr<Lease> TakeWaiting(absl::string_view client);

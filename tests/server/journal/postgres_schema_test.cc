@@ -22,8 +22,8 @@ class PostgresSchemaTest : public PostgresTest {
     const auto target = postgres::ParseTarget(absl::StrCat(server_.Url(database_), query));
     auto session = postgres::Session::Connect(target->conninfo);
     if (!session.ok()) return session.status();
-    const postgres::Schemas& real = postgres::SchemasOfDatabases();
-    return postgres::PrepareSchema(**session, {real.first, real.tables, steps});
+    const Schemas& real = postgres::SchemasOfDatabases();
+    return postgres::PrepareSchema(**session, {real.first, real.tables, steps, real.store});
   }
 };
 

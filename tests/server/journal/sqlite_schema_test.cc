@@ -22,9 +22,9 @@ constexpr std::array kStep = {"ALTER TABLE meshes ADD COLUMN colour TEXT NOT NUL
 constexpr std::array kStepThatFails = {
     "ALTER TABLE meshes ADD COLUMN colour TEXT; DROP TABLE not_there;"};
 
-JournalSchemas With(std::span<const char* const> steps) {
-  const JournalSchemas& real = SchemasOfJournals();
-  return {real.first, real.tables, steps};
+Schemas With(std::span<const char* const> steps) {
+  const Schemas& real = SchemasOfJournals();
+  return {real.first, real.tables, steps, real.store};
 }
 
 class SqliteSchemaTest : public ::testing::Test {
@@ -117,7 +117,7 @@ TEST_F(SqliteSchemaTest, AFileOfAnotherProgramIsRefusedAndStays) {
 
 TEST_F(SqliteSchemaTest, AStepLeadsToTheNextSchemaAndKeepsAllRows) {
   MakeJournal();
-  const JournalSchemas next = With(kStep);
+  const Schemas next = With(kStep);
   EXPECT_EQ(next.present(), kJournalSchema + 1);
   for (int i = 0; i < 2; ++i) {  // the second time there is nothing to do
     auto db = Connect();
