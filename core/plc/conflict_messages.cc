@@ -101,17 +101,17 @@ std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
     return absl::StrCat(AngleText<D>(*s, *t),
                         "; at least 0.001 are needed: move an end, or remove one of them");
   }
-  double angle = 0;
+  SharpContact contact = {};
   if constexpr (D == 3) {
     const auto* f = std::get_if<Facet>(&a);
     const auto* g = std::get_if<Facet>(&b);
-    angle = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
-            : f != nullptr               ? LeastAngle(*t, *f)
-                                         : LeastAngle(*s, *g);
+    contact = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
+              : f != nullptr               ? LeastAngle(*t, *f)
+                                           : LeastAngle(*s, *g);
   }
   return absl::StrFormat(
-      "%.6g degrees; at least %g are needed: move corners, or remove one of them", angle,
-      kLeastFacetAngle);
+      "%.6g degrees; at least %g are needed: move corners, or remove one of them", contact.angle,
+      contact.allowed);
 }
 
 // A polygon's edge cannot be replaced, but the polygon can.

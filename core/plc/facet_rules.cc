@@ -23,28 +23,38 @@ using geometry::Vector3;
 
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
-// cos(1 degree), plus a millionth.
-constexpr double kMostCosine = 0.99984769515639124 * kWider;
+// Angles are compared by sin^2, which tells small ones apart where cosines are 1 up to rounding; 1
+// stands for 90 degrees and more. The least ones, less a millionth.
+constexpr double kLeastSine2AtCorners = 3.046174197557781e-10 * kNarrower;  // 0.001 degrees
+constexpr double kLeastSine2AtEdges = 3.046174166936495e-08 * kNarrower;    // 0.01 degrees
 // Facets at an angle below 1e-6 overlap.
-constexpr double kSameSide = 1 - 5e-13;
+constexpr double kSameSide2 = 1e-12;
 
-double Degrees(double cosine) {
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+double Degrees(double sine2) {
+  return sine2 < 1 ? std::asin(std::sqrt(sine2)) * 180 / std::numbers::pi : 180;
 }
 
-// The cosine of the angle between `d`, from the corner `point` of f over its inside, and f; 0 if it
-// leads elsewhere.
-double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
-  if (!f.OpensTo(point, d)) return 0;
-  const double up = Dot(d, f.plane().normal), length2 = Dot(d, d);
-  return std::sqrt(std::max(0.0, 1 - up * up / length2));
+// Of the angle between `d`, from the corner `point` of f over its inside, and f; 1 if it leads
+// elsewhere.
+double Sine2Over(const Facet& f, FeatureId point, const Vector3& d) {
+  if (!f.OpensTo(point, d)) return 1;
+  const double up = Dot(d, f.plane().normal);
+  return std::min(up * up / Dot(d, d), 1.0);
+}
+
+// Of the angle between unit vectors.
+double Sine2Between(const Vector3& u, const Vector3& w) {
+  if (Dot(u, w) <= 0) return 1;
+  const Vector3 chord = Difference(u, w);  // 2 sin(angle / 2)
+  const double chord2 = Dot(chord, chord);
+  return chord2 * (1 - chord2 / 4);
 }
 
 // The common parts of two facets.
 struct CommonCorners {
   std::size_t edges = 0;
-  double cosine = -1;              // the greatest cosine of the angles at common edges
-  std::vector<FeatureId> corners;  // ascending, no duplicates
+  double sine2 = 1;                                 // of the least angle at common edges
+  std::vector<FeatureId> corners;                   // ascending, no duplicates
   std::vector<std::pair<FeatureId, Vector3>> ways;  // along common edges, from each end; by id
 };
 
@@ -64,19 +74,19 @@ CommonCorners FindCommon(const Facet& f, const Facet& g) {
       common.ways.emplace_back(next, Vector3{-way[0], -way[1], -way[2]});
       const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
       if (!Counts(ValidationTerm::kAngleOfFacetsAtEdges)) continue;
-      common.cosine = std::max(common.cosine, Dot(f.InwardOf(c), g.InwardOf(edge)));
+      common.sine2 = std::min(common.sine2, Sine2Between(f.InwardOf(c), g.InwardOf(edge)));
     }
   }
   std::sort(common.ways.begin(), common.ways.end());
   return common;
 }
 
-// The greatest cosine of edges of g over f at common corners. Beside common edges, the angle at
-// these is decisive. So only edges that lead away from all common edges count, over another part of
-// f.
-double CosineAtCorners(const Facet& f, const Facet& g, const CommonCorners& common) {
-  if (!Counts(ValidationTerm::kAngleOfFacetsAtCorners)) return -1;
-  double cosine = 0;
+// sin^2 of the least angle of edges of g over f at common corners. Beside common edges, the angle
+// at these is decisive. So only edges that lead away from all common edges count, over another part
+// of f.
+double Sine2AtCorners(const Facet& f, const Facet& g, const CommonCorners& common) {
+  double sine2 = 1;
+  if (!Counts(ValidationTerm::kAngleOfFacetsAtCorners)) return sine2;
   for (const FeatureId point : common.corners) {
     const auto [begin, end] =
         std::equal_range(common.ways.begin(), common.ways.end(), std::pair(point, Vector3{}),
@@ -86,11 +96,15 @@ double CosineAtCorners(const Facet& f, const Facet& g, const CommonCorners& comm
         const Vector3 d = Difference(g.PositionOf(g.Beside(c, next)).c, g.PositionOf(c).c);
         const bool leads_away =
             std::all_of(begin, end, [&](const auto& way) { return Dot(way.second, d) < 0; });
-        if (leads_away) cosine = std::max(cosine, CosineOver(f, point, d));
+        if (leads_away) sine2 = std::min(sine2, Sine2Over(f, point, d));
       }
     }
   }
-  return cosine;
+  return sine2;
+}
+
+double LeastSine2AtCorners(const Facet& f, const Facet& g, const CommonCorners& common) {
+  return std::min(Sine2AtCorners(f, g, common), Sine2AtCorners(g, f, common));
 }
 
 // Do the insides meet along a line between two common corners? If the planes differ, all common
@@ -134,7 +148,8 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
     if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are checked instead
     if (!Counts(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
-    if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostCosine) return Conflict::kNone;
+    const double sine2 = Sine2Over(f, from_p ? s.p_id : s.q_id, d);
+    if (sine2 >= kLeastSine2AtCorners) return Conflict::kNone;
     const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
@@ -154,27 +169,26 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
       common.edges == g.corners().size()) {
     return Conflict::kDuplicatePolygon;
   }
-  if ((Counts(ValidationTerm::kFacetsDoNotOverlap) && common.cosine > kSameSide) ||
+  if ((Counts(ValidationTerm::kFacetsDoNotOverlap) && common.sine2 < kSameSide2) ||
       (Counts(ValidationTerm::kFacetsDoNotMeet) && MeetBetween(f, g, common.corners))) {
     return Conflict::kPolygonsMeet;
   }
-  const double lack =
-      std::max({common.cosine, CosineAtCorners(f, g, common), CosineAtCorners(g, f, common)});
-  if (lack > kMostCosine) return Conflict::kSmallAngle;
+  if (common.sine2 < kLeastSine2AtEdges || LeastSine2AtCorners(f, g, common) < kLeastSine2AtCorners)
+    return Conflict::kSmallAngle;
   return Conflict::kNone;
 }
 
-double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
+SharpContact LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
   const bool from_p = f.HasCorner(s.p_id);
   const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
-  return Degrees(CosineOver(f, from_p ? s.p_id : s.q_id, d));
+  return {Degrees(Sine2Over(f, from_p ? s.p_id : s.q_id, d)), kLeastAngleAtCorners};
 }
 
-double LeastAngle(const Facet& f, const Facet& g) {
+SharpContact LeastAngle(const Facet& f, const Facet& g) {
   if (f.corners().size() > g.corners().size()) return LeastAngle(g, f);
   const CommonCorners common = FindCommon(f, g);
-  const double at_corners = std::max(CosineAtCorners(f, g, common), CosineAtCorners(g, f, common));
-  return std::min(Degrees(common.cosine), Degrees(at_corners));
+  if (common.sine2 < kLeastSine2AtEdges) return {Degrees(common.sine2), kLeastAngleAtEdges};
+  return {Degrees(LeastSine2AtCorners(f, g, common)), kLeastAngleAtCorners};
 }
 
 }  // namespace dynmesh::plc

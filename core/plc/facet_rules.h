@@ -7,10 +7,12 @@
 // Beside the inside, the nearest part is an edge, and edges are segments with rules of their own.
 // So these rules need to treat only positions over the inside and lines that pass through it.
 //
-// Angles are at least 1 degree (less a millionth of the cosine):
-//   * between two facets at a common edge;
-//   * between a facet and a segment that rises from one of its corners over its inside;
-//   * between a facet and such an edge of another facet, if only the corner is common.
+// Angles have a least size, less a millionth of the sine's square:
+//   * between two facets at a common edge: 0.01 degrees;
+//   * between a facet and a segment that rises from one of its corners over its inside: 0.001
+//     degrees, as between segments (rules.h);
+//   * between a facet and such an edge of another facet, if only the corner is common: the same.
+//     Beside a needle of a triangulated wall the next facets are often below 1 degree.
 #ifndef DYNMESH_CORE_PLC_FACET_RULES_H_
 #define DYNMESH_CORE_PLC_FACET_RULES_H_
 
@@ -20,7 +22,8 @@
 
 namespace dynmesh::plc {
 
-inline constexpr double kLeastFacetAngle = 1;  // degrees
+// In degrees.
+inline constexpr double kLeastAngleAtEdges = 0.01, kLeastAngleAtCorners = 0.001;
 
 // The greatest allowed distance of corners from the plane: 1e-9 of the facet's extent, at least 8
 // ulps.
@@ -37,9 +40,13 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit);
 // corners of one in the other are left to the rules above.
 Conflict Between(const Facet& f, const Facet& g, double limit);
 
-// The least angle, in degrees, of those that must be kLeastFacetAngle; 180 if there are none.
-double LeastAngle(const SegmentFeature<3>& s, const Facet& f);
-double LeastAngle(const Facet& f, const Facet& g);
+// An angle at which features meet, and the least allowed one of its kind. In degrees.
+struct SharpContact {
+  double angle, allowed;
+};
+// Of two features with kSmallAngle.
+SharpContact LeastAngle(const SegmentFeature<3>& s, const Facet& f);
+SharpContact LeastAngle(const Facet& f, const Facet& g);
 
 }  // namespace dynmesh::plc
 

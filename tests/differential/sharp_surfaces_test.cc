@@ -65,13 +65,50 @@ TEST_P(SharpSurfaces, AWedgeOpensAndShuts) {
                                          Feature::Polygon(7, {{1, 2, 3, 4}}),
                                          Feature::Polygon(8, {{1, 2, 5, 6}})};
   ASSERT_NO_FATAL_FAILURE(Load(features));
-  for (const double degrees : {25., 9., 1.2, 15., 20.5, 75.}) {
+  for (const double degrees : {25., 9., 1.2, 0.3, 15., 20.5, 75.}) {
     ASSERT_NO_FATAL_FAILURE(
         Apply({Edit::Set(outer(5, .25, degrees)), Edit::Set(outer(6, -.2, degrees))}));
     const double between = 0.3 + degrees * kDegree * (0.3 + 0.4 * random_.Unit());
     ASSERT_NO_FATAL_FAILURE(
         Apply({Edit::Add(PointAt(11, {.2 * std::cos(between), .2 * std::sin(between), 0}))}));
     ASSERT_NO_FATAL_FAILURE(Apply({Edit::Remove(11)}));
+  }
+}
+
+// A block whose top has a corner in common, and no more, with a facet below: between them is a
+// needle, and its long edge rises over the top.
+TEST_P(SharpSurfaces, ANeedleAtAnEdgeGetsThinner) {
+  constexpr double kScale = .3;
+  const auto at = [](FeatureId id, double x, double y, double z) {
+    return PointAt(id, {kScale * (x - 1), kScale * (y - .5), kScale * (z - .5)});
+  };
+  const auto tip = [&](double degrees) {
+    const double down = 2 * std::tan(degrees * std::numbers::pi / 180);
+    return at(9, 2, .002 + .3 * down, 1 - down);
+  };
+  std::vector<Feature> features = {at(1, 0, .5, 0), at(2, 2, .5, 0), at(3, 2, 1, 0),
+                                   at(4, 0, 1, 0),  at(5, 0, 0, 1),  at(6, 2, .002, 1),
+                                   at(7, 2, 1, 1),  at(8, 0, 1, 1),  tip(.9)};
+  FeatureId next = 10;
+  for (const Rings& rings : {Rings{{1, 4, 3, 2}},
+                             {{5, 6, 7, 8}},
+                             {{1, 2, 9}},
+                             {{1, 9, 5}},
+                             {{5, 9, 6}},
+                             {{2, 3, 7}},
+                             {{2, 7, 6}},
+                             {{2, 6, 9}},
+                             {{3, 4, 8}},
+                             {{3, 8, 7}},
+                             {{4, 1, 5}},
+                             {{4, 5, 8}}}) {
+    features.push_back(Feature::Polygon(next++, rings));
+  }
+  ASSERT_NO_FATAL_FAILURE(Load(features));
+  for (const double degrees : {.3, .05, .006, .6}) {
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Set(tip(degrees))}));
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Remove(14)}));  // the needle
+    ASSERT_NO_FATAL_FAILURE(Apply({Edit::Add(features[13])}));
   }
 }
 

@@ -191,7 +191,6 @@ TEST(SpaceSmallAngles, Surfaces) {
   test::Random random(kSeed);
   for (const auto& [n, m] : {std::pair(12, 8), {24, 8}, {8, 24}}) {
     for (const double jitter : {0., .1, .5}) {
-      if (m == 24 && jitter > .1) continue;  // facets at less than 1 degree
       SCOPED_TRACE("seed " + std::to_string(kSeed) + ", " + std::to_string(n) + " by " +
                    std::to_string(m) + ", jitter " + std::to_string(jitter));
       MeshAndJudge(Torus(n, m, jitter, random), kDefaultQuality3D, 10);
@@ -202,7 +201,7 @@ TEST(SpaceSmallAngles, Surfaces) {
 // Sheets on a common edge: as many as there is room for at `angle`, of different widths.
 TEST(SpaceSmallAngles, Sheets) {
   test::Random random(kSeed);
-  for (const double angle : {1.01, 5., 21., 31., 45., 69.}) {
+  for (const double angle : {.0101, .1, 1., 5., 21., 31., 45., 69.}) {
     for (const int n : {2, 3, std::min(24, static_cast<int>(360 / angle))}) {
       if (n > 3 && angle < 20) continue;  // for its time
       for (const double narrow : {1., .3}) {
@@ -222,6 +221,24 @@ TEST(SpaceSmallAngles, Sheets) {
         EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D),
                   kBorder + each * static_cast<unsigned>(n));
       }
+    }
+  }
+}
+
+// Two triangles with a corner in common; an edge of one rises over the other.
+TEST(SpaceSmallAngles, AFacetOverAnotherAtACorner) {
+  test::Random random(kSeed);
+  for (const double angle : {.00101, .01, .1, .5, 2., 20.}) {
+    for (const double length : {.4, .1}) {
+      SCOPED_TRACE("seed " + std::to_string(kSeed) + ", " + std::to_string(angle) +
+                   " degrees, lengths .4 and " + std::to_string(length));
+      Input input(random);
+      const FeatureId apex = input.Point({0, 0, 0});
+      input.Triangle(apex, input.Point({.4, -.2, 0}), input.Point({.4, .2, 0}));
+      const FeatureId over = input.Point(
+          {length * std::cos(angle * kDegree), .01, length * std::sin(angle * kDegree)});
+      input.Triangle(apex, over, input.Point({length, 0, .3}));
+      EXPECT_LE(MeshAndJudge(input, kDefaultQuality3D, 10), kBorder + 1'500);
     }
   }
 }

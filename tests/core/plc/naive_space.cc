@@ -54,8 +54,8 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   const Q d = u * v;
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
-constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);  // 0.001 degrees
-constexpr double kOneDegree = 0.99969541350954787 * (1 + 2e-6);    // cos(1 degree), squared
+constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);         // 0.001 degrees
+constexpr double kLeastAtEdges = 1 - 3.046174166936495e-08 * (1 - 1e-6);  // 0.01 degrees
 
 class Face {
  public:
@@ -109,10 +109,10 @@ class Face {
     }
     return inside;
   }
-  // True if d, from the corner, rises over the inside at less than 1 degree.
-  bool IsBelowTwentyOver(const P& corner, const V& d) const {
+  // True if d, from the corner, rises over the inside at less than 0.001 degrees.
+  bool IsSharpOver(const P& corner, const V& d) const {
     const V flat = d - (d * normal_) / (normal_ * normal_) * normal_;
-    return Holds(corner + kStep * flat) && IsBelow(d, flat, kOneDegree);
+    return Holds(corner + kStep * flat) && IsBelow(d, flat, kLeast);
   }
   // From the middle of an edge into the inside.
   V Inward(const Edge& e) const {
@@ -197,14 +197,14 @@ bool IsSharp(const Face& f, const Face& g) {
     joined.insert({e.p_id, e.q_id});
     for (const Edge& h : g.edges()) {
       if (std::minmax(e.p_id, e.q_id) != std::minmax(h.p_id, h.q_id)) continue;
-      if (IsBelow(f.Inward(e), g.Inward(h), kOneDegree)) return true;
+      if (IsBelow(f.Inward(e), g.Inward(h), kLeastAtEdges)) return true;
     }
   }
   const auto rises = [&](const Face& a, const Face& b) {
     return std::any_of(b.edges().begin(), b.edges().end(), [&](const Edge& e) {
       const auto at = [&](FeatureId id, const V& d) {
         return a.corners().contains(id) && !joined.contains(id) &&
-               a.IsBelowTwentyOver(a.corners().at(id), d);
+               a.IsSharpOver(a.corners().at(id), d);
       };
       return at(e.p_id, e.q - e.p) || at(e.q_id, e.p - e.q);
     });
@@ -294,7 +294,7 @@ std::vector<Offence> FindOffences(const FeatureMap& features, double limit) {
       if (f.HasEdge(s.p_id, s.q_id)) continue;
       if (Meets(s, f)) found.push_back({"segment and polygon", s.ids, {f.id()}});
       const auto sharp = [&](FeatureId id, const P& p, const V& d) {
-        return f.corners().contains(id) && f.IsBelowTwentyOver(p, d);
+        return f.corners().contains(id) && f.IsSharpOver(p, d);
       };
       if (s.is_segment && (sharp(s.p_id, s.p, s.q - s.p) || sharp(s.q_id, s.q, s.p - s.q))) {
         found.push_back({"angle of segment and polygon", s.ids, {f.id()}});

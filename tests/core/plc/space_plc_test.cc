@@ -271,16 +271,18 @@ EditBatch Wedge(double degrees) {
           AddPolygon(10, {{1, 2, 3, 4}}),      AddPolygon(11, {{1, 2, 5, 6}})};
 }
 
-TEST(SpacePlc, PolygonsMeetAtOneDegreeOrMore) {
-  for (const double angle : {1.0, 1.1, 20.0, 70.0, 90.0, 135.0, 180.0, 225.0, 340.0, 359.0})
+TEST(SpacePlc, PolygonsMeetAtAHundredthOfADegreeOrMore) {
+  for (const double angle :
+       {0.0101, 0.5, 1.0, 20.0, 70.0, 90.0, 135.0, 180.0, 225.0, 340.0, 359.0, 359.9899}) {
     ExpectLegal(Wedge(angle));
-  for (const double angle : {0.5, 0.99, 359.01, 359.5}) {
+  }
+  for (const double angle : {0.001, 0.0099, 359.9901, 359.999}) {
     ExpectRefused(Wedge(angle), reason::kSmallAngle, {11, 10});
   }
-  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(0.75));
+  const auto delta = Plc3(Cube(0, 1)).Check(Wedge(0.0075));
   EXPECT_NE(std::string(delta.status().message())
                 .find("polygon 11 and polygon 10 meet in an angle "
-                      "of 0.75 degrees; at least 1 are needed"),
+                      "of 0.0075 degrees; at least 0.01 are needed"),
             std::string::npos)
       << delta.status();
 }
@@ -312,9 +314,9 @@ EditBatch Overhang(double degrees) {
           AddPolygon(11, {{6, 5, 7, 8, 9}})};
 }
 
-TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtOneDegreeOrMore) {
-  for (const double angle : {1.1, 20.0, 70.0, 90.0, 100.0}) ExpectLegal(Overhang(angle));
-  for (const double angle : {0.25, 0.5, 0.95}) {
+TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtAThousandthOfADegreeOrMore) {
+  for (const double angle : {0.00101, 0.5, 20.0, 70.0, 90.0, 100.0}) ExpectLegal(Overhang(angle));
+  for (const double angle : {0.0002, 0.0005, 0.00099}) {
     ExpectRefused(Overhang(angle), reason::kSmallAngle, {11, 10});
   }
 }
@@ -338,12 +340,12 @@ TEST(SpacePlc, AnglesAreThoseOfTheInsideHoweverItIsCutIntoRings) {
   for (const Rings& rings : {crossing, touching}) {
     ExpectLegal(plate(100, rings));
     ExpectLegal(plate(45, rings));
-    ExpectLegal(plate(178.9, rings));
-    ExpectRefused(plate(179.1, rings), reason::kSmallAngle, {21, 20});
+    ExpectLegal(plate(179.989, rings));
+    ExpectRefused(plate(179.991, rings), reason::kSmallAngle, {21, 20});
   }
 }
 
-TEST(SpacePlc, SegmentsRiseFromPolygonsAtOneDegreeOrMore) {
+TEST(SpacePlc, SegmentsRiseFromPolygonsAtAThousandthOfADegreeOrMore) {
   // From corner 1 in direction of the middle, at that height.
   const auto spike = [](double degrees) {
     const double a = degrees * std::numbers::pi / 180, along = 0.3 * std::cos(a) / std::sqrt(2);
@@ -351,8 +353,8 @@ TEST(SpacePlc, SegmentsRiseFromPolygonsAtOneDegreeOrMore) {
                                Edit::Add(Feature::Segment(21, 1, 20))};
   };
   ExpectLegal(spike(90));
-  ExpectLegal(spike(1.1));
-  ExpectRefused(spike(0.9), reason::kSmallAngle, {21, 10});
+  ExpectLegal(spike(0.00101));
+  ExpectRefused(spike(0.00099), reason::kSmallAngle, {21, 10});
   // Away from the inside the angles to the edges count.
   ExpectLegal(spike(150));
   ExpectLegal(spike(180));
