@@ -17,10 +17,17 @@
 #include "core/io/maps/mended_rings.h"
 #include "core/io/script/edit_script.h"
 #include "core/io/space/face_rules.h"
+#include "core/io/space/surface_mending.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::io {
+
+// What was done to the faces of a surface file (prepare_surface.h).
+struct SurfacePreparation {
+  bool is_surface = false;
+  SurfaceMends mends;
+};
 
 struct Geometry {
   std::vector<Feature> features;
@@ -32,6 +39,7 @@ struct Geometry {
   std::string seed_file;
   std::vector<PolygonName> polygon_names;  // of a map's polygons
   MendedRings mended;                      // of a map, if asked for
+  SurfacePreparation prepared;             // of a surface
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;
@@ -46,6 +54,7 @@ struct GeometryOptions {
   bool refine = false;                   // the file is a mesh whose vertices become points
   FaceRules faces = FaceRules::kStrict;  // of surface files
   bool mend_rings = false;               // of maps (MapOptions::mended)
+  bool keep_facets = false;              // of surface files: faces in one plane stay apart
   bool any_script = false;  // an extension that no format is known by is an edit script's
 };
 
