@@ -119,6 +119,10 @@ NumberRounding WrittenDigits::Rounding() const {
     rounding.least = rounding.most = is_double ? last_bit : std::ldexp(largest_, -24);
     return rounding;
   }
+  if (decimals_ <= 0) {  // whole numbers are exact
+    rounding.least = rounding.most = last_bit;
+    return rounding;
+  }
   if (has_floats_ && digits_ >= kMoreThanAFloatNeeds) {
     rounding.least = rounding.most = std::ldexp(largest_, -24);
     return rounding;

@@ -27,6 +27,14 @@ namespace dynmesh::io {
 struct SurfacePreparation {
   bool is_surface = false;
   SurfaceMends mends;
+  std::size_t joined = 0, polygons = 0;  // faces in one plane, and what they became
+  std::size_t cut = 0;                   // faces that are not flat: triangles now
+  std::size_t moved = 0;                 // corners, onto planes
+  double most_moved = 0;                 // the largest distance
+
+  // What was done, for users: "2 points made one, 12 faces joined into 6 polygons". Empty if
+  // nothing.
+  std::string Text() const;
 };
 
 struct Geometry {
@@ -55,6 +63,7 @@ struct GeometryOptions {
   FaceRules faces = FaceRules::kStrict;  // of surface files
   bool mend_rings = false;               // of maps (MapOptions::mended)
   bool keep_facets = false;              // of surface files: faces in one plane stay apart
+  bool holes_of_polygons = true;         // faces are joined to polygons of several rings, too
   bool any_script = false;  // an extension that no format is known by is an edit script's
 };
 
