@@ -45,6 +45,7 @@ struct ImportCommand {
   std::optional<double> tolerance, feature_angle, within;
   bool clean = false;
   bool polygons = false;
+  bool keep_facets = false;
   std::uint64_t max_steps = 0;
   bool all = false;
   bool json = false;
@@ -255,6 +256,10 @@ int Run(const ImportCommand& command) {
   if (const absl::Status status = CheckFlags(command); !status.ok()) return ReportError(status);
   InputFlags reading;
   reading.polygons = command.polygons;
+  reading.keep_facets = command.keep_facets;
+  if (const io::Format* const format = io::FindFormat(command.output); format != nullptr) {
+    reading.holes_of_polygons = format->Is(io::kKeepsPolygonHoles);
+  }
   if (command.clean) reading.faces = io::FaceRules::kAsTheyCome;
   reading.mend_rings = command.clean;
   ProgressBar bar(ErrorIsTerminal());
@@ -340,6 +345,10 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                 "Mend what a mesh refuses: merge, split, drop (all is reported)");
   sub->add_flag("--polygons", command->polygons,
                 "Polygons of a map become polygon features, not segments");
+  sub->add_flag(
+      "--keep-facets", command->keep_facets,
+      "Of a surface file, without --clean: keep faces in one plane apart, as `mesh` does with "
+      "this flag");
   sub->add_option("--tolerance", command->tolerance,
                   "Points nearer to each other than this are merged (default: 4 times, in 3D 8 "
                   "times, what a mesh refuses as too close)")

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/command.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_input.h"
 #include "core/plc/facet_rules.h"
@@ -32,6 +33,10 @@ absl::StatusOr<Input> Finish(io::Geometry geometry, const std::string& path,
   return input;
 }
 
+std::string SurfaceFormats() {
+  return io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); });
+}
+
 absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
   const io::Format* const format = io::FindFormat(path);
   if (flags.polygons && (format == nullptr || !format->Is(io::kMap))) {
@@ -49,10 +54,20 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 
 }  // namespace
 
+void AddKeepFacetsFlag(CLI::App& command, InputFlags& flags) {
+  command.add_flag("--keep-facets", flags.keep_facets,
+                   Concat("Of a ", SurfaceFormats(),
+                          ": keep faces in one plane apart (default: those in one plane within the "
+                          "rounding of the file's numbers become one polygon, and their corners "
+                          "move onto the plane, by 4 roundings at most)"));
+}
+
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
+  AddKeepFacetsFlag(command, flags);
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
-                       "Of 3D input: join faces that lie in one plane and share edges");
+                       Concat("Of 3D input: join faces that lie in one plane and share edges; in ",
+                              SurfaceFormats(), " files that is done without it"));
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
                   "How far from the plane corners may be for that (default: 0, exactly in it); "
@@ -79,6 +94,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   const io::Format* const format = io::FindFormat(path);
   const bool is_script = !flags.refine && (format == nullptr || format->Is(io::kScript));
   const bool is_empty = geometry->features.empty() && !is_script;
+  if (const std::string done = geometry->prepared.Text(); !done.empty()) {
+    PrintNote(Concat(path, ": ", done,
+                     geometry->prepared.joined != 0 ? "; --keep-facets keeps faces apart" : ""));
+  }
   absl::StatusOr<Input> input = Finish(*std::move(geometry), path, flags);
   if (!input.ok() || !is_empty) return input;
   if (const std::uint64_t dropped = input->mended.dropped; dropped != 0) {

@@ -31,11 +31,14 @@ struct InputFlags : io::GeometryOptions {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
 };
-// --merge-coplanar, --coplanar-tolerance and --polygons.
+// --keep-facets.
+void AddKeepFacetsFlag(CLI::App& command, InputFlags& flags);
+// --keep-facets, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of
-// geometry is an edit script; its last revision counts. `options` has the dimension. Errors as
+// geometry is an edit script; its last revision counts. What was done to a surface is noted on
+// standard error. `options` has the dimension. Errors as
 // `file:line: ...`.
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
 // The same for the value of `flag`, the input of a mesh: INVALID_ARGUMENT if it has another

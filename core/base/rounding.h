@@ -24,6 +24,12 @@ inline double UlpOf(const Box& box, int dimension) {
   return UlpOf(LargestMagnitude(box, dimension));
 }
 
+// The distance below which a mesh refuses two features as too close: 2^10 ulps of the domain's
+// largest coordinate, a power of two (2^-41 in the unit square).
+inline double LeastDistance(const MeshOptions& options) {
+  return 0x1p10 * UlpOf(DomainBox(options), options.dimension);
+}
+
 // The relative slack h of the quality test for edges of length e, 2^k <= e^2 < 2^(k+1):
 // 2e-9 + 8 u / sqrt(2^k). u is the ulp of the largest coordinate. A coordinate is rounded by u/2,
 // and R/e changes by at most (1/2 + small) |dx| / e. The factor 8 leaves room for the roundings of

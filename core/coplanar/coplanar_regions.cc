@@ -14,6 +14,7 @@
 #include "core/base/ring_walk.h"
 #include "core/base/rings.h"
 #include "core/coplanar/facet_rings.h"
+#include "core/coplanar/plane_fit.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/space_predicates.h"
@@ -36,7 +37,23 @@ class Plane {
         normal_(AreaVector(ring)),
         reach_(tolerance * NormOf(normal_)) {}
 
-  bool Contains(const Point3& p) const {
+  // Of rounded corners: within `share` roundings, and `share_of_plane` for each of the plane's
+  // errors.
+  Plane(const PlaneFit& fit, const std::vector<geometry::Vector3>& roundings, double share,
+        double share_of_plane)
+      : normal_(fit.normal()),
+        fit_(fit),
+        roundings_(&roundings),
+        share_(share),
+        share_of_plane_(share_of_plane) {}
+
+  bool Contains(Corner c, const Point3& p) const {
+    if (fit_) {
+      const double rounding = RoundingAlong(normal_, (*roundings_)[c]);
+      const double share =
+          share_ + (share_of_plane_ > 0 ? share_of_plane_ * std::min(fit_->ErrorAt(p), 4.0) : 0);
+      return std::abs(fit_->Height(p)) <= share * rounding;
+    }
     if (geometry::Orientation(three_[0], three_[1], three_[2], p) == 0) return true;
     if (!(reach_ > 0)) return false;
     const Point3& o = three_[1];
@@ -60,9 +77,12 @@ class Plane {
   static constexpr double kSineOver = 0.9396926207859084 * (1 + 1e-6);
   static constexpr double kJustOver = 1e-6;
 
-  std::array<Point3, 3> three_;
+  std::array<Point3, 3> three_ = {};
   std::array<double, 3> normal_;
-  double reach_;
+  double reach_ = 0;
+  std::optional<PlaneFit> fit_;
+  const std::vector<geometry::Vector3>* roundings_ = nullptr;
+  double share_ = 0, share_of_plane_ = 0;
 };
 
 // The edges with a growing region on one side only, and their number at each corner.
@@ -133,6 +153,22 @@ class Finder {
     return found;
   }
 
+  std::vector<FlatRegion> RunRounded(const std::vector<geometry::Vector3>& roundings,
+                                     const std::vector<bool>& stay) {
+    std::vector<FlatRegion> found;
+    is_rounded_ = true;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      if (stay[f]) state_[f] = {true, false, 0, {}};
+    }
+    for (const std::size_t seed : LargestFirst()) {
+      if (state_[seed].taken) continue;
+      ++region_;
+      std::optional<FlatRegion> region = GrowRounded(seed, roundings);
+      if (region) found.push_back(*std::move(region));
+    }
+    return found;
+  }
+
  private:
   struct Use {  // of an edge, by a ring of a face
     CornerPair edge;
@@ -143,6 +179,7 @@ class Finder {
   struct State {
     bool taken = false;
     bool exact_only = false;  // was in a region that was too thick: do not try the tolerance again
+    std::size_t region = 0;   // of rounded positions: the one that took it
     // In the view of the face's region: is the face on the left of each ring?
     std::vector<bool> is_left;
   };
@@ -187,7 +224,7 @@ class Finder {
   bool IsIn(const Plane& plane, std::size_t f) const {
     for (const CornerRing& ring : faces_[f]) {
       for (const Corner c : ring) {
-        if (!plane.Contains(positions_[c])) return false;
+        if (!plane.Contains(c, positions_[c])) return false;
       }
     }
     return true;
@@ -224,13 +261,17 @@ class Finder {
   // Does the corner have a feature outside the plane, or one other than faces?
   bool IsNeeded(Corner c, const Plane& plane) const {
     return kept_.corners[c] || std::any_of(faces_at_[c].begin(), faces_at_[c].end(),
-                                           [&](std::size_t f) { return !IsIn(plane, f); });
+                                           [&](std::size_t f) { return IsOther(plane, f); });
+  }
+  // Is it in another plane, or in a region of another one?
+  bool IsOther(const Plane& plane, std::size_t f) const {
+    return !IsIn(plane, f) || (is_rounded_ && state_[f].taken && state_[f].region != region_);
   }
   bool IsNeeded(const CornerPair& edge, const Plane& plane) const {
     if (std::binary_search(kept_.edges.begin(), kept_.edges.end(), edge)) return true;
     const std::span<const Use> uses = UsesOf(edge);
     if (uses.size() > 2 && std::any_of(uses.begin(), uses.end(),
-                                       [&](const Use& use) { return !IsIn(plane, use.face); })) {
+                                       [&](const Use& use) { return IsOther(plane, use.face); })) {
       return true;
     }
     const auto is_below = [&](Corner from, Corner to) {
@@ -280,8 +321,66 @@ class Finder {
     const PointRing outer = OuterRing(seed).first;
     const std::optional<AxisView> view = ViewOf(outer);
     if (!view) return std::nullopt;
-    const Plane plane(outer, *view, tolerance);
-    std::optional<std::vector<bool>> sides = SidesOf(seed, *view);
+    std::optional<FlatRegion> region =
+        GrowIn(seed, Plane(outer, *view, tolerance), *view, tolerance);
+    return region && Close(*region) ? std::move(region) : std::nullopt;
+  }
+
+  // The corners of the faces, in their order.
+  std::vector<Point3> CornersOf(const std::vector<std::size_t>& faces) const {
+    std::vector<Corner> corners;
+    for (const std::size_t f : faces) {
+      for (const CornerRing& ring : faces_[f]) {
+        corners.insert(corners.end(), ring.begin(), ring.end());
+      }
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    return PositionsOf(corners);
+  }
+
+  std::optional<FlatRegion> GrowRounded(std::size_t seed,
+                                        const std::vector<geometry::Vector3>& roundings) {
+    state_[seed].taken = true;
+    state_[seed].region = region_;
+    const PointRing outer = OuterRing(seed).first;
+    const std::optional<AxisView> view = ViewOf(outer);
+    if (!view) return std::nullopt;
+    const std::array<double, 3> area = AreaVector(outer);
+    if (!(geometry::Dot(area, area) > 0)) return std::nullopt;
+    std::vector<std::size_t> faces = {seed};
+    std::optional<FlatRegion> region;
+    constexpr int kMostTurns = 12;
+    for (int turn = 0;; ++turn) {
+      const PlaneFit fit(CornersOf(faces), area);
+      const bool is_last = turn >= kMostTurns;
+      const Plane plane =
+          is_last ? Plane(fit, roundings, kBand, 0) : Plane(fit, roundings, 1.5, 1.5);
+      if (region) Free(*region, seed);
+      region = GrowIn(seed, plane, *view, 0);
+      if (!region) return std::nullopt;
+      if (turn == 0 && region->faces.size() == 1) return std::nullopt;
+      if (is_last) break;
+      std::vector<std::size_t> now = region->faces;
+      std::sort(now.begin(), now.end());
+      if (now == faces) turn = kMostTurns - 1;  // then within the band
+      faces = std::move(now);
+    }
+    if (Close(*region)) return region;
+    Free(*region, seed);
+    return std::nullopt;
+  }
+
+  void Free(const FlatRegion& region, std::size_t seed) {
+    for (const std::size_t f : region.faces) {
+      if (f != seed) state_[f].taken = false;
+    }
+  }
+
+  // The faces around the seed that are in the plane.
+  std::optional<FlatRegion> GrowIn(std::size_t seed, const Plane& plane, AxisView view,
+                                   double tolerance) {
+    std::optional<std::vector<bool>> sides = SidesOf(seed, view);
     if (!sides || !IsIn(plane, seed)) return std::nullopt;
     state_[seed].is_left = *std::move(sides);
     FlatRegion region = {{seed}, {}};
@@ -292,21 +391,27 @@ class Finder {
         const Use* const other = Other(i);
         if (other == nullptr || state_[other->face].taken || !IsIn(plane, other->face)) continue;
         if (tolerance > 0 && state_[other->face].exact_only) continue;
-        sides = SidesOf(other->face, *view);
+        sides = SidesOf(other->face, view);
         if (!sides) continue;
         State& state = state_[other->face];
         state.is_left = *std::move(sides);
         if (GoesUp(*other) == GoesUp(uses_[i])) continue;
         if (!Enclose(other->face, plane, rim)) continue;
         state.taken = true;
+        state.region = region_;
         region.faces.push_back(other->face);
       }
     }
-    if (region.faces.size() == 1) return std::nullopt;
-    std::optional<std::vector<CornerPair>> boundary = BoundaryOf(region.faces);
-    if (!boundary) return std::nullopt;
-    region.rings = CutIntoRings(*std::move(boundary));
     return region;
+  }
+
+  // Its rings; false for a single face, or faces that overlap.
+  bool Close(FlatRegion& region) const {
+    if (region.faces.size() == 1) return false;
+    std::optional<std::vector<CornerPair>> boundary = BoundaryOf(region.faces);
+    if (!boundary) return false;
+    region.rings = CutIntoRings(*std::move(boundary));
+    return true;
   }
 
   // Edges with the faces on one side only, from corner to corner with the faces on the left. None
@@ -360,6 +465,8 @@ class Finder {
   std::vector<std::vector<std::size_t>> uses_of_;   // by face
   std::vector<std::vector<std::size_t>> faces_at_;  // by corner
   absl::flat_hash_map<Corner, std::vector<Corner>> segments_at_;
+  bool is_rounded_ = false;
+  std::size_t region_ = 0;  // the number of the growing one
 };
 
 }  // namespace
@@ -377,6 +484,20 @@ FlatRegions FindFlatRegions(const std::vector<Point3>& positions,
                             const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
                             const Thickness& most) {
   return Finder(positions, faces, kept, tolerance, most).Run();
+}
+
+double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) sum += std::abs(normal[k]) * rounding[k];
+  return sum;
+}
+
+std::vector<FlatRegion> FindRoundedRegions(const std::vector<Point3>& positions,
+                                           const std::vector<geometry::Vector3>& roundings,
+                                           const std::vector<FaceRings>& faces, const Kept& kept,
+                                           const std::vector<bool>& stay) {
+  const Thickness none;
+  return Finder(positions, faces, kept, 0, none).RunRounded(roundings, stay);
 }
 
 }  // namespace dynmesh::coplanar

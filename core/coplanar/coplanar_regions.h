@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::coplanar {
@@ -62,6 +63,17 @@ struct FlatRegions {
 FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& positions,
                             const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
                             const Thickness& most);
+
+// The same for positions that were rounded by up to `roundings`, along each axis. A region has all
+// its corners within kBand roundings of its own plane, that of least squares. It grows from its
+// largest face in turns, each with the plane of what there is. Faces that `stay` are in none.
+inline constexpr double kBand = 4;
+std::vector<FlatRegion> FindRoundedRegions(const std::vector<geometry::Point3>& positions,
+                                           const std::vector<geometry::Vector3>& roundings,
+                                           const std::vector<FaceRings>& faces, const Kept& kept,
+                                           const std::vector<bool>& stay);
+// The rounding of a height over a plane with this normal.
+double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding);
 
 }  // namespace dynmesh::coplanar
 

@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 
-#include "core/coplanar/facet_rings.h"
-#include "core/geometry/predicates.h"
+#include "absl/container/flat_hash_map.h"
+#include "core/coplanar/needles.h"
+#include "core/geometry/circumball.h"
 
 namespace dynmesh::coplanar {
 
@@ -17,8 +20,8 @@ namespace {
 class Dropper {
  public:
   Dropper(const std::vector<Point3>& positions, const std::vector<bool>& kept,
-          const std::vector<FaceRings>& faces)
-      : positions_(positions), kept_(kept), at_(positions.size()) {
+          const std::vector<FaceRings>& faces, const std::function<double(Corner)>& within)
+      : positions_(positions), kept_(kept), within_(within), at_(positions.size()) {
     for (const FaceRings& face : faces) {
       for (const CornerRing& ring : face) AddRing(ring);
     }
@@ -32,6 +35,7 @@ class Dropper {
       open.pop_back();
       const std::optional<CornerPair> ends = EndsOf(c);
       if (!ends) continue;
+      if (within_) Gather(*ends, c);
       for (const std::size_t n : at_[c]) {
         nodes_[nodes_[n].before].behind = nodes_[n].behind;
         nodes_[nodes_[n].behind].before = nodes_[n].before;
@@ -69,11 +73,34 @@ class Dropper {
     sizes_.push_back(n);
   }
 
-  bool IsOnLine(Corner p, Corner c, Corner q) const {
-    for (const AxisView view : {AxisView{0, 1}, AxisView{1, 2}, AxisView{2, 0}}) {
-      if (geometry::Orientation(view.Of(positions_[p]), view.Of(positions_[c]),
-                                view.Of(positions_[q])) != 0) {
-        return false;
+  // Those dropped between two corners.
+  std::span<const Corner> DroppedBetween(Corner p, Corner q) const {
+    const auto it = dropped_.find(std::minmax(p, q));
+    return it == dropped_.end() ? std::span<const Corner>() : it->second;
+  }
+
+  void Gather(const CornerPair& ends, Corner c) {
+    std::vector<Corner> all = {c};
+    for (const Corner end : {ends.first, ends.second}) {
+      const std::span<const Corner> before = DroppedBetween(end, c);
+      all.insert(all.end(), before.begin(), before.end());
+    }
+    dropped_[ends] = std::move(all);
+  }
+
+  bool IsBeside(Corner p, Corner c, Corner q) const {
+    const geometry::Vector3 way = geometry::Difference(positions_[q].c, positions_[p].c);
+    const double along = geometry::Dot(way, geometry::Difference(positions_[c].c, positions_[p].c));
+    return along > 0 && along < geometry::Dot(way, way) &&
+           DistanceToLine(positions_[c], positions_[p], positions_[q]) <= within_(c);
+  }
+
+  // All that was between p and q, and c.
+  bool AreBeside(Corner p, Corner c, Corner q) const {
+    if (!within_ || !IsBeside(p, c, q)) return false;
+    for (const Corner end : {p, q}) {
+      for (const Corner other : DroppedBetween(end, c)) {
+        if (!IsBeside(p, other, q)) return false;
       }
     }
     return true;
@@ -92,24 +119,27 @@ class Dropper {
     }
     // On a line the lexicographic order is that along it.
     const auto [p, q] = *ends;
-    if (!(positions_[p] < positions_[c] && positions_[c] < positions_[q]) || !IsOnLine(p, c, q)) {
-      return std::nullopt;
-    }
-    return ends;
+    const bool is_straight = positions_[p] < positions_[c] && positions_[c] < positions_[q] &&
+                             AreOnLine(positions_[p], positions_[c], positions_[q]);
+    if (is_straight && !within_) return ends;
+    return AreBeside(p, c, q) ? ends : std::nullopt;
   }
 
   const std::vector<Point3>& positions_;
   const std::vector<bool>& kept_;
-  std::vector<Node> nodes_;                   // ring by ring
-  std::vector<std::size_t> sizes_;            // of rings
-  std::vector<std::vector<std::size_t>> at_;  // nodes, by corner
+  const std::function<double(Corner)>& within_;
+  absl::flat_hash_map<CornerPair, std::vector<Corner>> dropped_;  // by what is joined now
+  std::vector<Node> nodes_;                                       // ring by ring
+  std::vector<std::size_t> sizes_;                                // of rings
+  std::vector<std::vector<std::size_t>> at_;                      // nodes, by corner
 };
 
 }  // namespace
 
 void DropStraightCorners(const std::vector<Point3>& positions, const std::vector<bool>& kept,
-                         std::vector<FaceRings>& faces) {
-  Dropper dropper(positions, kept, faces);
+                         std::vector<FaceRings>& faces,
+                         const std::function<double(Corner)>& within) {
+  Dropper dropper(positions, kept, faces, within);
   dropper.Run();
   dropper.Write(faces);
 }

@@ -23,7 +23,6 @@ using geometry::Point2;
 using geometry::Point3;
 using geometry::SquaredDistance;
 
-constexpr double kCloseLimitUlps = 0x1p10;
 // sin^2 of the least angle between segments, 0.001 degrees, less a millionth.
 constexpr double kAngleBound = 3.046174197557781e-10 * kNarrower;
 
@@ -166,9 +165,7 @@ bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
   return Dot(u, w) <= 0 || SquaredCross(u, w) > 4 * kAngleBound * (Dot(u, u) * Dot(w, w));
 }
 
-double CloseLimit(const MeshOptions& options) {
-  return kCloseLimitUlps * UlpOf(DomainBox(options), options.dimension);
-}
+double CloseLimit(const MeshOptions& options) { return LeastDistance(options); }
 
 template <int D>
 bool IsNear(const Point<D>& p, const Point<D>& a, const Point<D>& b, double limit) {

@@ -19,8 +19,7 @@ namespace dynmesh::plc {
 // exact multiples of 2^-1008 and cannot underflow.
 inline constexpr double kMinCoordinate = 0x1p-200;
 
-// The distance below which two features are too close: 2^10 ulps of the domain's
-// largest coordinate, a power of two (2^-41 in the unit square).
+// The distance below which two features are too close: LeastDistance (core/base/rounding.h).
 double CloseLimit(const MeshOptions& options);
 
 // The conflict of two features; of several, the least is reported.

@@ -11,6 +11,7 @@
 
 #include "core/io/common/feature_labels.h"
 #include "core/io/common/triangle_sections.h"
+#include "core/io/common/written_digits.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::io {
@@ -39,6 +40,8 @@ struct FileFeatures {
 
   // Positions where rings of a topology's polygons were closed with an edge.
   std::uint64_t gaps = 0;
+
+  NumberRounding rounding;  // of the points of a surface file
 
   // The line of a feature: "file:line". Empty for an id not in the file. Still correct after
   // features were removed or joined, as long as ids stay.

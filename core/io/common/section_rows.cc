@@ -79,12 +79,14 @@ absl::StatusOr<std::uint64_t> ReadCount(TextReader& reader, const char* what,
   return count;
 }
 
-absl::StatusOr<std::array<double, 3>> ReadPosition3(const TextReader& reader, std::size_t i) {
+absl::StatusOr<std::array<double, 3>> ReadPosition3(const TextReader& reader, std::size_t i,
+                                                    WrittenDigits* digits) {
   std::array<double, 3> position{};
   for (std::size_t k = 0; k < 3; ++k) {
     const auto value = reader.Double(i + k, std::string_view("xyz").substr(k, 1));
     if (!value.ok()) return value.status();
     position[k] = *value;
+    if (digits != nullptr) digits->Add(reader.token(i + k), *value);
   }
   return position;
 }

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/common/text_reader.h"
+#include "core/io/common/written_digits.h"
 
 namespace dynmesh::io {
 
@@ -36,8 +37,9 @@ absl::StatusOr<std::uint64_t> Marker(const TextReader& reader, std::size_t i);
 // 0.
 absl::StatusOr<std::uint32_t> VertexIndex(const TextReader& reader, std::size_t i,
                                           std::uint64_t base, std::size_t count);
-// The three coordinates from token i on.
-absl::StatusOr<std::array<double, 3>> ReadPosition3(const TextReader& reader, std::size_t i);
+// The three coordinates from token i on; `digits`, if any, gets them.
+absl::StatusOr<std::array<double, 3>> ReadPosition3(const TextReader& reader, std::size_t i,
+                                                    WrittenDigits* digits = nullptr);
 
 }  // namespace dynmesh::io
 

@@ -94,17 +94,32 @@ absl::StatusOr<TextReader> TextReader::Open(const std::string& path) {
 }
 
 bool TextReader::Next() {
-  const std::string_view text = *text_;
   tokens_.clear();
-  while (next_ < text.size()) {
-    std::size_t end = text.find('\n', next_);
-    if (end == std::string_view::npos) end = text.size();
-    ++line_;
-    Split(text.substr(next_, end - next_));
-    next_ = end + 1;
+  joined_ = 0;
+  while (next_ < text_->size()) {
+    ReadLine();
     if (!tokens_.empty()) return true;
   }
   return false;
+}
+
+void TextReader::JoinContinued() {
+  while (!tokens_.empty() && tokens_.back().ends_with('\\')) {
+    tokens_.back().remove_suffix(1);
+    if (tokens_.back().empty()) tokens_.pop_back();
+    if (next_ >= text_->size()) return;
+    ++joined_;
+    ReadLine();
+  }
+}
+
+void TextReader::ReadLine() {
+  const std::string_view text = *text_;
+  std::size_t end = text.find('\n', next_);
+  if (end == std::string_view::npos) end = text.size();
+  ++line_;
+  Split(text.substr(next_, end - next_));
+  next_ = end + 1;
 }
 
 void TextReader::Split(std::string_view line) {
@@ -142,7 +157,7 @@ absl::Status TextReader::ErrorAt(std::string_view name, int line, std::string_vi
 }
 
 absl::Status TextReader::Error(std::string_view message) const {
-  return ErrorAt(name_, line_, message);
+  return ErrorAt(name_, line(), message);
 }
 
 absl::StatusOr<double> TextReader::Double(std::size_t i, std::string_view what) const {

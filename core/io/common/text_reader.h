@@ -33,6 +33,8 @@ class TextReader {
   // Goes to the next line with a value; false at the end of the file. `#` starts a comment,
   // anywhere.
   bool Next();
+  // While the line ends in a backslash, adds the values of the next one to it. `line` stays.
+  void JoinContinued();
 
   const std::vector<std::string_view>& tokens() const { return tokens_; }
   std::size_t size() const { return tokens_.size(); }
@@ -40,7 +42,7 @@ class TextReader {
   // What stands behind token i on its line, comments, too; without blanks at the ends.
   std::string_view RestOfLine(std::size_t i) const;
   // The current line, from 1; after the end, the last line.
-  int line() const { return line_; }
+  int line() const { return line_ - joined_; }
   const std::string& name() const { return name_; }
   const std::string& text() const { return *text_; }  // all of it, unchanged
   std::size_t text_size() const { return text_->size(); }
@@ -57,6 +59,8 @@ class TextReader {
   absl::StatusOr<std::uint64_t> Uint64(std::size_t i, std::string_view what) const;
 
  private:
+  // Appends the values of the line after `next_`.
+  void ReadLine();
   void Split(std::string_view line);
 
   std::string name_;
@@ -64,6 +68,7 @@ class TextReader {
       text_;  // tokens point into it; it does not move with the reader
   std::size_t next_ = 0;
   int line_ = 0;
+  int joined_ = 0;  // lines added to the current one
   std::vector<std::string_view> tokens_;
   std::vector<std::string> notes_;
 };

@@ -7,6 +7,7 @@
 #include "core/io/formats/geometry.h"
 #include "core/io/formats/mesh_input.h"
 #include "core/io/formats/mesh_output.h"
+#include "core/io/formats/prepare_surface.h"
 #include "core/io/maps/map_files.h"
 #include "core/io/meshes/medit_writer.h"
 #include "core/io/meshes/msh_writer.h"
@@ -23,11 +24,20 @@ namespace {
 
 // ---- the functions of rows, in the form that they have there
 
+// Files of facets that have a meaning each.
 template <absl::StatusOr<FileFeatures> (*kRead)(const std::string&, FaceRules)>
-absl::StatusOr<Geometry> ReadSurface(const std::string& path, const GeometryOptions& options) {
+absl::StatusOr<Geometry> ReadFacets(const std::string& path, const GeometryOptions& options) {
   absl::StatusOr<FileFeatures> file = kRead(path, options.faces);
   return file.ok() ? GeometryOfSpace(*std::move(file), path)
                    : absl::StatusOr<Geometry>(file.status());
+}
+
+template <absl::StatusOr<FileFeatures> (*kRead)(const std::string&, FaceRules)>
+absl::StatusOr<Geometry> ReadSurface(const std::string& path, const GeometryOptions& options) {
+  if (options.faces == FaceRules::kAsTheyCome) return ReadFacets<kRead>(path, options);
+  absl::StatusOr<FileFeatures> file = kRead(path, FaceRules::kMended);
+  if (!file.ok()) return file.status();
+  return PrepareSurface(*std::move(file), path, options);
 }
 
 absl::StatusOr<FileFeatures> ReadSpaceNodes(const std::string& path, FaceRules) {
@@ -41,7 +51,7 @@ absl::StatusOr<Geometry> ReadPlaneOrSpace(const std::string& path, const Geometr
   absl::StatusOr<FileFeatures> file = kPlane(path);
   if (file.ok()) return GeometryOfPlane(*std::move(file), path);
   if (!absl::IsUnimplemented(file.status())) return file.status();
-  return ReadSurface<kSpace>(path, options);
+  return ReadFacets<kSpace>(path, options);
 }
 
 template <absl::StatusOr<ElementMesh> (*kRead)(const std::string&)>
@@ -188,28 +198,32 @@ constexpr Format kFormats[] = {
      .flags =
          kBesideNode | kSecondOrder | kChosenMarkers | kKeepsSegments | kKeepsSeeds | kKeepsMarkers,
      .document = kInput,
-     .read_geometry = ReadSurface<ReadSmeshFile>,
+     .read_geometry = ReadFacets<ReadSmeshFile>,
      .write_features = WriteSmesh,
      .write_mesh = WriteNodes},
     {.extension = ".off",
      .what = "a surface",
      .in_3d = true,
+     .flags = kSurface,
      .document = kInput,
      .read_geometry = ReadSurface<ReadOffFile>,
      .write_features = WriteOff},
     {.extension = ".stl",
      .what = "a surface of triangles",
      .in_3d = true,
+     .flags = kSurface,
      .document = kInput,
      .read_geometry = ReadSurface<ReadStlFile>},
     {.extension = ".obj",
      .what = "a surface",
      .in_3d = true,
+     .flags = kSurface,
      .document = kInput,
      .read_geometry = ReadSurface<ReadObjFile>},
     {.extension = ".ply",
      .what = "a surface",
      .in_3d = true,
+     .flags = kSurface,
      .document = kInput,
      .read_geometry = ReadSurface<ReadPlyFile>},
     {.extension = ".geojson",

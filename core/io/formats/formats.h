@@ -48,6 +48,9 @@ enum FormatFlag : std::uint32_t {
   kKeepsSeeds = 1 << 10,  // positions of holes and regions
   kKeepsMarkers = 1 << 11,
   kKeepsNames = 1 << 12,
+  // Faces approximate a surface, and none has a meaning of its own: those in one plane are joined
+  // (prepare_surface.h).
+  kSurface = 1 << 13,
   kKeepsAllButSeeds = kKeepsSegments | kKeepsPolygons | kKeepsPolygonHoles | kKeepsSizes |
                       kKeepsMarkers | kKeepsNames,
 };

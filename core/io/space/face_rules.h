@@ -7,7 +7,10 @@
 namespace dynmesh::io {
 
 enum class FaceRules : std::uint8_t {
-  kStrict,      // those that no mesh accepts: a repeated corner, too few corners, twice the same
+  kStrict,  // those that no mesh accepts: a repeated corner, too few corners, twice the same
+  // Those of which no face can be made: too few corners, one twice in a polygon of four and more.
+  // The others are to be mended (surface_mending.h).
+  kMended,
   kAsTheyCome,  // none: faces are to be cleaned. Rings may then have any number of corners
 };
 

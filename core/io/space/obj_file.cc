@@ -52,7 +52,7 @@ absl::Status AddPolyline(const SurfaceWork::Ring& chain, const TextReader& obj, 
 }
 
 absl::Status ReadVertex(const TextReader& obj, SurfaceWork& work) {
-  const auto position = ReadPosition3(obj, 1);
+  const auto position = ReadPosition3(obj, 1, &work.digits());
   if (!position.ok()) return position.status();
   if (work.point_count() >= std::numeric_limits<std::uint32_t>::max() - 1) {
     return obj.Error("more than 2^32 - 2 vertices");
@@ -61,12 +61,10 @@ absl::Status ReadVertex(const TextReader& obj, SurfaceWork& work) {
   return absl::OkStatus();
 }
 
-absl::Status ReadElement(const TextReader& obj, SurfaceWork& work) {
+absl::Status ReadElement(TextReader& obj, SurfaceWork& work) {
   const std::string_view kind = obj.token(0);
   if (kind != "v" && kind != "f" && kind != "l" && kind != "p") return absl::OkStatus();
-  if (obj.token(obj.size() - 1).ends_with('\\')) {
-    return obj.Error("lines continued with \\ are not supported; join them");
-  }
+  obj.JoinContinued();
   if (kind == "v") return ReadVertex(obj, work);
   absl::StatusOr<SurfaceWork::Ring> corners = Corners(obj, work);
   if (!corners.ok()) return corners.status();

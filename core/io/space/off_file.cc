@@ -41,7 +41,7 @@ absl::StatusOr<std::size_t> ReadOffHeader(TextReader& off) {
 absl::Status ReadVertices(TextReader& off, std::uint64_t count, SurfaceWork& work) {
   for (std::uint64_t i = 0; i < count; ++i) {
     if (auto s = NextRow(off, "vertex", i, count); !s.ok()) return s;
-    const auto position = ReadPosition3(off, 0);
+    const auto position = ReadPosition3(off, 0, &work.digits());
     if (!position.ok()) return position.status();
     work.AddPoint(*position, off.line());
   }

@@ -175,6 +175,17 @@ class Body {
         Concat(ply_.name(), ": byte ", at_, ": more bytes than the header announces"));
   }
 
+  // The value read last, if it is a coordinate.
+  void AddDigits(const Scalar& scalar, double value, WrittenDigits& digits) const {
+    if (format_ == Format::kAscii) {
+      digits.Add(ply_.token(token_ - 1), value);
+    } else if (scalar.kind == Scalar::Kind::kFloat && scalar.bytes == 4) {
+      digits.AddFloat(static_cast<float>(value));
+    } else {
+      digits.AddDouble(value);
+    }
+  }
+
   absl::StatusOr<double> Value(const Scalar& scalar) {
     return format_ == Format::kAscii ? TextValue(scalar) : BinaryValue(scalar);
   }
@@ -283,6 +294,9 @@ class PlyParser {
         const auto value = body_.Value(property.count.value_or(property.scalar));
         if (!value.ok()) return value.status();
         single_[i] = *value;
+        if (!property.count && i < is_coordinate_.size() && is_coordinate_[i]) {
+          body_.AddDigits(property.scalar, *value, work_.digits());
+        }
         if (!property.count) continue;
         if (*value < 0) return body_.Error("a list with a negative length");
         lists_[i].clear();
@@ -309,7 +323,9 @@ class PlyParser {
     if (element.count >= std::numeric_limits<std::uint32_t>::max() - work_.point_count()) {
       return ply_.Error(Concat(element.count, " vertices are more than 2^32 - 2"));
     }
-    return ReadRows(element, [&]() -> absl::Status {
+    is_coordinate_.assign(element.properties.size(), false);
+    for (const std::size_t i : at) is_coordinate_[i] = true;
+    const absl::Status read = ReadRows(element, [&]() -> absl::Status {
       const std::array<double, 3> position = {single_[at[0]], single_[at[1]], single_[at[2]]};
       for (const double x : position) {
         if (!std::isfinite(x)) return body_.Error("a vertex with a coordinate not finite");
@@ -317,6 +333,8 @@ class PlyParser {
       work_.AddPoint(position, body_.line());
       return absl::OkStatus();
     });
+    is_coordinate_.clear();
+    return read;
   }
 
   absl::StatusOr<SurfaceWork::Vertex> VertexOf(double index) const {
@@ -360,6 +378,7 @@ class PlyParser {
   SurfaceWork work_;
   std::vector<double> single_;              // of the row, by property
   std::vector<std::vector<double>> lists_;  // the same
+  std::vector<bool> is_coordinate_;         // the same; of vertices
 };
 
 }  // namespace

@@ -31,10 +31,13 @@ std::uint32_t Word(std::string_view bytes, std::size_t at) {
   return word;
 }
 
-// ASCII at bytes 80 to 83 would be the count of a file of 25 GB and more: no file is both.
+// ASCII at bytes 80 to 83 would be the count of a file of 7 GB and more: no file is both. Some
+// programs write a few bytes more.
 bool IsBinary(std::string_view bytes) {
-  return bytes.size() >= kHeader &&
-         bytes.size() - kHeader == std::uint64_t{Word(bytes, 80)} * kTriangle;
+  if (bytes.size() < kHeader) return false;
+  const std::uint64_t size = std::uint64_t{Word(bytes, 80)} * kTriangle;
+  const std::uint64_t found = bytes.size() - kHeader;
+  return found >= size && found - size < kTriangle;
 }
 
 class Triangles {
@@ -59,6 +62,7 @@ class Triangles {
     return work_.AddFace({std::move(ring)}, line);
   }
 
+  WrittenDigits& digits() { return work_.digits(); }
   FileFeatures Take() { return work_.Take(); }
 
  private:
@@ -84,7 +88,7 @@ absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl, FaceRules rules)
   const std::string_view bytes = stl.text();
   Triangles triangles(stl.name(), rules);
   int number = 0;
-  for (std::size_t at = kHeader; at < bytes.size(); at += kTriangle) {
+  for (std::size_t at = kHeader; at + kTriangle <= bytes.size(); at += kTriangle) {
     if (number == std::numeric_limits<int>::max()) return stl.Error("more than 2^31 - 1 triangles");
     ++number;
     std::array<std::array<double, 3>, 3> corners{};
@@ -96,6 +100,7 @@ absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl, FaceRules rules)
             Concat("triangle ", number, " of the file has a coordinate that is not finite"));
       }
       corners[i / 3][i % 3] = double{value};
+      triangles.digits().AddFloat(value);
     }
     if (auto s = triangles.Add(corners, {number, number, number}, number); !s.ok()) return s;
   }
@@ -124,7 +129,7 @@ absl::Status ReadFacet(TextReader& stl, Triangles& triangles) {
   std::array<int, 3> lines{};
   for (std::size_t k = 0; k < 3; ++k) {
     if (auto s = Expect(stl, "vertex"); !s.ok()) return s;
-    const auto position = ReadPosition3(stl, 1);
+    const auto position = ReadPosition3(stl, 1, &triangles.digits());
     if (!position.ok()) return position.status();
     corners[k] = *position;
     lines[k] = stl.line();

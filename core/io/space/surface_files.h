@@ -4,14 +4,16 @@
 // .off  The header is OFF, or one of COFF, NOFF, STOFF and their combinations; counts are on
 //       its line or on the next. Colours, normals and texture coordinates are ignored. Not
 //       supported: 4OFF, nOFF and binary files.
-// .stl  ASCII or binary. A file is binary iff its length fits its count of triangles. Corners
+// .stl  ASCII or binary. A file is binary iff its length fits its count of triangles, or is less
+// than
+//       a triangle more. Corners
 //       with equal coordinates are one point (-0 is 0). Several solids are allowed; names,
 //       normals and attribute bytes are ignored. In a binary file "lines" are triangles,
 //       counted from 1.
 // .obj  v, f, l and p; indices are v, v/vt, v//vn or v/vt/vn; negative ones count back from
 //       the last vertex so far. Polylines become segments. Point elements add nothing, since all
-//       vertices become points. Everything else is ignored. Not supported: lines continued
-//       with \, and vertices after their first use.
+//       vertices become points. A line that ends in \ goes on. Everything else is ignored. Not
+//       supported: vertices after their first use.
 // .ply  ASCII or binary, of either byte order. Vertices need x, y and z, faces the list
 //       vertex_indices (or vertex_index), edges vertex1 and vertex2: those become segments. Other
 //       properties and elements are ignored. Not supported: tristrips. In a binary file "lines"

@@ -36,6 +36,10 @@ absl::Status SurfaceWork::AddSegment(Vertex p, Vertex q, int line, std::uint64_t
 
 absl::Status SurfaceWork::CheckRing(const Ring& ring, int line) const {
   Ring sorted = ring;
+  if (rules_ == FaceRules::kMended) {
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    while (sorted.size() > 1 && sorted.front() == sorted.back()) sorted.pop_back();
+  }
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) {
@@ -74,7 +78,7 @@ absl::Status SurfaceWork::AddFace(std::vector<Ring> rings, int line, std::uint64
   }
   std::sort(corners.begin(), corners.end());
   const auto [it, fresh] = line_of_.emplace(std::move(corners), line);
-  if (!fresh) {
+  if (!fresh && rules_ == FaceRules::kStrict) {
     return Error(line, Concat("a face has the same corners as the one on line ", it->second,
                               "; leave one of them out"));
   }
@@ -86,6 +90,7 @@ FileFeatures SurfaceWork::Take() {
   FileFeatures input = std::move(input_);
   if (input.point_file.empty()) input.point_file = file_;
   input.segment_file = file_;
+  input.rounding = digits_.Rounding();
   input.point_count = input.features.size();
   input.segment_count = segments_.size();
   FeatureId id = input.features.size();

@@ -14,6 +14,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "core/io/common/file_features.h"
+#include "core/io/common/written_digits.h"
 #include "core/io/space/face_rules.h"
 
 namespace dynmesh::io {
@@ -33,12 +34,17 @@ class SurfaceWork {
   std::size_t point_count() const { return input_.features.size(); }
   const std::array<double, 3>& position(Vertex v) const { return input_.features[v].position; }
 
+  // Collects the digits of the points' coordinates.
+  WrittenDigits& digits() { return digits_; }
+
   // A repeated segment is added once, with its first marker. Equal ends are an error.
   absl::Status AddSegment(Vertex p, Vertex q, int line, std::uint64_t marker = 0);
 
   // A polygon of rings, which may touch in corners. Errors: a ring of fewer than three corners or
   // with a repeated corner, a repeated edge, and a second face with the same corners.
-  // With FaceRules::kAsTheyCome nothing is an error, and rings without corners are left out.
+  // With FaceRules::kMended a triangle may have a corner twice, a polygon one after the other, and
+  // faces may have the same corners. With FaceRules::kAsTheyCome nothing is an error, and rings
+  // without corners are left out.
   absl::Status AddFace(std::vector<Ring> rings, int line, std::uint64_t marker = 0);
 
   FileFeatures Take();
@@ -63,6 +69,7 @@ class SurfaceWork {
   std::uint64_t first_number_;
   FaceRules rules_;
   FileFeatures input_;  // points only
+  WrittenDigits digits_;
   std::vector<Segment> segments_;
   std::vector<Face> faces_;
   absl::flat_hash_set<std::pair<Vertex, Vertex>> joined_;

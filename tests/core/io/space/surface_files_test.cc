@@ -169,6 +169,27 @@ TEST(ObjFile, FacesLinesAndPointsAreTaken) {
   EXPECT_EQ(input->Where(7), "a.obj:11");
 }
 
+TEST(ObjFile, LinesThatEndInABackslashGoOn) {
+  const auto input =
+      Obj("v 0 0 0\nv 1 \\\r\n0 0\nv 0 2 0\nv 0 0 .5\nf 1 3\\\n2\nf 1 2 \\\n\\\n4\n");
+  ASSERT_TRUE(input.ok()) << input.status();
+  ASSERT_EQ(input->features.size(), 6U);
+  EXPECT_EQ(input->features[5].rings, kTetrahedron[5].rings);
+  EXPECT_EQ(input->Where(5), "a.obj:6");  // its first line
+  EXPECT_EQ(input->Where(6), "a.obj:8");
+  EXPECT_EQ(Obj("v 0 0 0\nf 1 \\\n9\n").status().message().substr(0, 8), "a.obj:2:");
+}
+
+TEST(StlFile, BytesBehindTheTrianglesDoNotMakeABinaryFileText) {
+  const std::vector<Triangle> triangles = TrianglesOf(kTetrahedron);
+  std::string bytes = BinaryStl(triangles) + "x";
+  bytes.replace(0, 6, "solid ");
+  const auto input = Stl(bytes);
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(TrianglesOf(input->features), triangles);
+  EXPECT_FALSE(Stl(bytes.substr(0, bytes.size() - 2)).ok());
+}
+
 TEST(MalformedSurface, OffIsRefusedWithFileAndLine) {
   const std::string p = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";  // 6 lines
   ExpectRefused({{"", 1, "it has no line OFF"},
@@ -242,7 +263,6 @@ TEST(MalformedSurface, ObjIsRefusedWithFileAndLine) {
                  {p + "f 1 2\n", 4, "fewer than 3"},
                  {p + "f\n", 4, "fewer than 3"},
                  {p + "f 1 2 3\nf 3 2 1\n", 5, "same corners as the one on line 4"},
-                 {p + "f 1 2 \\\n3\n", 4, "continued"},
                  {p + "l 1\n", 4, "fewer than 2 vertices"},
                  {p + "l 1 1\n", 4, "vertex 1 at both ends"},
                  {p + "p 4\n", 4, "vertex 4 does not exist"}},

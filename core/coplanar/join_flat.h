@@ -1,0 +1,54 @@
+// Makes polygons of the faces of a surface file that lie in one plane within the rounding of the
+// file's numbers, and moves their corners onto the plane.
+//
+//   * Faces within the rounding of a line go (needles.h).
+//   * Faces that share edges and are within kBand roundings of their plane become one polygon
+//     (FindRoundedRegions). A corner that all rings go straight through, within two roundings, is
+//     dropped.
+//   * Corners move, by kMostRoundings at most, until each polygon is as flat as doubles allow
+//     (flatten.h). Where that does not do for all planes at a corner, faces stay as they were.
+//   * Polygons of four and more corners that are not flat become triangles.
+//   * If a mesh refuses the result for what is joined or has moved, the faces there stay as they
+//   were.
+//
+// The polygons are a function of the faces and their coordinates, not of the order of faces,
+// corners and features, nor of the faces' orientation. Only ids depend on ids. Thread-safe. O(n lg
+// n) for n corners, times the rounds in which faces stay.
+#ifndef DYNMESH_CORE_COPLANAR_JOIN_FLAT_H_
+#define DYNMESH_CORE_COPLANAR_JOIN_FLAT_H_
+
+#include <cstddef>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "dynmesh/feature.h"
+
+namespace dynmesh::coplanar {
+
+struct JoinOptions {
+  // How far a coordinate may be from what was meant.
+  std::function<double(double coordinate)> rounding;
+  bool join = true;   // false: only what is not flat is cut
+  bool holes = true;  // polygons may have several rings
+  // The features that a mesh blames for a refusal; empty: it takes them. May be null.
+  std::function<std::vector<FeatureId>(const std::vector<Feature>&)> refused;
+};
+
+struct JoinedFaces {
+  std::vector<Feature> features;
+  std::vector<std::pair<FeatureId, FeatureId>> parts;  // new ids, and the faces they were a part of
+  std::size_t joined = 0, polygons = 0;                // faces, to so many polygons
+  std::size_t needles = 0;                             // faces that went
+  std::size_t cut = 0;                                 // faces that became triangles
+  std::size_t moved = 0;                               // corners
+  double most_moved = 0;                               // the largest distance
+};
+
+// REQUIRES: each polygon has one ring of three corners or more, all of them points of `features`,
+// no two points at one place. Coordinates are in the domain of the predicates.
+JoinedFaces JoinFlat(const std::vector<Feature>& features, const JoinOptions& options);
+
+}  // namespace dynmesh::coplanar
+
+#endif  // DYNMESH_CORE_COPLANAR_JOIN_FLAT_H_

@@ -1,0 +1,84 @@
+#include "core/coplanar/plane_fit.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace dynmesh::coplanar {
+
+using geometry::Difference;
+using geometry::Dot;
+using geometry::Point3;
+using geometry::Vector3;
+
+namespace {
+
+void Normalize(Vector3& v) {
+  const double length = std::sqrt(Dot(v, v));
+  for (double& x : v) x /= length;
+}
+
+}  // namespace
+
+PlaneFit::PlaneFit(const std::vector<Point3>& corners, const Vector3& normal)
+    : normal_(normal), count_(static_cast<double>(corners.size())) {
+  const Point3& from = corners.front();  // sums of differences keep their digits
+  Vector3 sum = {0, 0, 0};
+  for (const Point3& p : corners) {
+    const Vector3 d = Difference(p.c, from.c);
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += d[k];
+  }
+  for (int k = 0; k < 3; ++k) centre_[k] = from[k] + sum[static_cast<std::size_t>(k)] / count_;
+  Normalize(normal_);
+  SetAxes();
+  for (int i = 0; i < 3; ++i) {
+    if (!Tilt(corners)) break;
+  }
+}
+
+void PlaneFit::SetAxes() {
+  std::size_t least = 0;
+  for (std::size_t k = 1; k < 3; ++k) {
+    if (std::abs(normal_[k]) < std::abs(normal_[least])) least = k;
+  }
+  Vector3 axis = {0, 0, 0};
+  axis[least] = 1;
+  u_ = geometry::Cross(axis, normal_);
+  Normalize(u_);
+  w_ = geometry::Cross(normal_, u_);
+}
+
+// To the least squares of heights; false if that changes nothing, or corners are on a line.
+bool PlaneFit::Tilt(const std::vector<Point3>& corners) {
+  sums_ = {};
+  double uh = 0, wh = 0, hs = 0;
+  for (const Point3& p : corners) {
+    const Vector3 d = Difference(p.c, centre_.c);
+    const double u = Dot(u_, d), w = Dot(w_, d), h = Dot(normal_, d);
+    sums_.uu += u * u;
+    sums_.uw += u * w;
+    sums_.ww += w * w;
+    uh += u * h;
+    wh += w * h;
+    hs += h;
+  }
+  for (std::size_t k = 0; k < 3; ++k) centre_.c[k] += hs / count_ * normal_[k];
+  const double det = sums_.uu * sums_.ww - sums_.uw * sums_.uw;
+  if (!(det > 1e-24 * (sums_.uu + sums_.ww) * (sums_.uu + sums_.ww))) return false;
+  const double a = (uh * sums_.ww - wh * sums_.uw) / det;
+  const double b = (wh * sums_.uu - uh * sums_.uw) / det;
+  if (std::abs(a) + std::abs(b) < 1e-17) return false;
+  for (std::size_t k = 0; k < 3; ++k) normal_[k] -= a * u_[k] + b * w_[k];
+  Normalize(normal_);
+  SetAxes();
+  return true;
+}
+
+double PlaneFit::ErrorAt(const Point3& p) const {
+  const Vector3 d = Difference(p.c, centre_.c);
+  const double u = Dot(u_, d), w = Dot(w_, d);
+  const double det = sums_.uu * sums_.ww - sums_.uw * sums_.uw;
+  const double far = u * u * sums_.ww - 2 * u * w * sums_.uw + w * w * sums_.uu;
+  return std::sqrt(1 / count_ + (det > 0 ? far / det : 0));
+}
+
+}  // namespace dynmesh::coplanar

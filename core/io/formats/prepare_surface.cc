@@ -1,0 +1,92 @@
+#include "core/io/formats/prepare_surface.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/rounding.h"
+#include "core/base/text.h"
+#include "core/coplanar/facet_rings.h"
+#include "core/coplanar/join_flat.h"
+#include "core/io/space/surface_mending.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::io {
+namespace {
+
+// The options of a mesh of the file.
+MeshOptions OptionsOf(const FileFeatures& file) {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = DefaultQuality(3);
+  options.min_dihedral = DefaultMinDihedral(3);
+  options.box = BoundingBox(file.features, 3);
+  return options;
+}
+
+// Whose features does a mesh blame? Empty: it takes them.
+std::vector<FeatureId> Blamed(const MeshOptions& options, const std::vector<Feature>& features) {
+  const auto mesh = DynamicMesh::Create(options);
+  if (!mesh.ok()) return {};
+  const std::optional<ErrorDetail> detail = GetErrorDetail((*mesh)->Validate(AddAll(features)));
+  return detail ? detail->features : std::vector<FeatureId>();
+}
+
+void Join(const GeometryOptions& options, const MeshOptions& mesh, FileFeatures& file,
+          SurfacePreparation& prepared) {
+  coplanar::JoinOptions joining;
+  joining.join = !options.keep_facets;
+  joining.holes = options.holes_of_polygons;
+  joining.rounding = [&](double x) { return file.rounding.Of(x); };
+  joining.refused = [&](const std::vector<Feature>& features) { return Blamed(mesh, features); };
+  coplanar::JoinedFaces joined = coplanar::JoinFlat(file.features, joining);
+  for (const auto& [part, whole] : joined.parts) {
+    file.lines.resize(part, 1);
+    file.lines[part - 1] = file.lines[whole - 1];
+  }
+  file.features = std::move(joined.features);
+  prepared.mends.faces_without_area += joined.needles;
+  prepared.joined = joined.joined;
+  prepared.polygons = joined.polygons;
+  prepared.cut = joined.cut;
+  prepared.moved = joined.moved;
+  prepared.most_moved = joined.most_moved;
+}
+
+}  // namespace
+
+std::string SurfacePreparation::Text() const {
+  std::string text;
+  const auto add = [&](std::size_t count, const auto&... what) {
+    if (count != 0) text += text::Concat(text.empty() ? "" : ", ", count, " ", what...);
+  };
+  add(mends.equal_points + mends.near_points, "point(s) made one with others");
+  add(mends.faces_twice, "face(s) twice left out");
+  add(mends.faces_without_area, "face(s) without area left out");
+  add(cut, "face(s) not flat cut into triangles");
+  add(joined, "faces joined into ", polygons, " polygon(s)");
+  add(moved, "corner(s) moved by up to ", static_cast<float>(most_moved));
+  return text;
+}
+
+absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
+                                        const GeometryOptions& options) {
+  SurfacePreparation prepared;
+  prepared.is_surface = true;
+  const MeshOptions mesh = OptionsOf(file);
+  // Coordinates out of range are refused with their feature, by the mesh.
+  const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
+  prepared.mends = MendSurface(near, file);
+  if (std::all_of(file.features.begin(), file.features.end(),
+                  [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
+    Join(options, mesh, file, prepared);
+  }
+  Geometry geometry = GeometryOfSpace(std::move(file), path);
+  geometry.prepared = prepared;
+  return geometry;
+}
+
+}  // namespace dynmesh::io

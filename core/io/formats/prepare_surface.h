@@ -1,0 +1,21 @@
+// A surface file as input of a mesh.
+#ifndef DYNMESH_CORE_IO_FORMATS_PREPARE_SURFACE_H_
+#define DYNMESH_CORE_IO_FORMATS_PREPARE_SURFACE_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/io/common/file_features.h"
+#include "core/io/formats/geometry.h"
+
+namespace dynmesh::io {
+
+// Mends the faces (surface_mending.h): points nearer than what a mesh refuses are one. Then joins
+// those in one plane within the rounding of the file's numbers (coplanar/join_flat.h), if they are
+// not to be kept. What a mesh refuses for that stays as it is: the features are validated.
+absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
+                                        const GeometryOptions& options);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_FORMATS_PREPARE_SURFACE_H_
