@@ -54,20 +54,19 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 
 }  // namespace
 
-void AddKeepFacetsFlag(CLI::App& command, InputFlags& flags) {
-  command.add_flag("--keep-facets", flags.keep_facets,
-                   Concat("Of a ", SurfaceFormats(),
-                          ": keep faces in one plane apart (default: those in one plane within the "
-                          "rounding of the file's numbers become one polygon, and their corners "
-                          "move onto the plane, by 4 roundings at most)"));
+void AddJoinFlatFlag(CLI::App& command, InputFlags& flags) {
+  command.add_flag(
+      "--join-flat", flags.join_flat,
+      Concat("Of a ", SurfaceFormats(),
+             ": faces in one plane within the rounding of the file's numbers become "
+             "one polygon; their corners move onto the plane, by 4 roundings at most"));
 }
 
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
-  AddKeepFacetsFlag(command, flags);
+  AddJoinFlatFlag(command, flags);
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
-                       Concat("Of 3D input: join faces that lie in one plane and share edges; in ",
-                              SurfaceFormats(), " files that is done without it"));
+                       "Of 3D input: join faces that lie in one plane and share edges");
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
                   "How far from the plane corners may be for that (default: 0, exactly in it); "
@@ -95,8 +94,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   const bool is_script = !flags.refine && (format == nullptr || format->Is(io::kScript));
   const bool is_empty = geometry->features.empty() && !is_script;
   if (const std::string done = geometry->prepared.Text(); !done.empty()) {
-    PrintNote(Concat(path, ": ", done,
-                     geometry->prepared.joined != 0 ? "; --keep-facets keeps faces apart" : ""));
+    PrintNote(Concat(path, ": ", done));
   }
   absl::StatusOr<Input> input = Finish(*std::move(geometry), path, flags);
   if (!input.ok() || !is_empty) return input;

@@ -26,7 +26,7 @@ constexpr double kOnShare = 1.0 / 64;
 // Angles are compared by sin^2, which tells small ones apart where cosines are 1 up to rounding; 1
 // stands for 90 degrees and more. The least ones, less a millionth.
 constexpr double kLeastSine2AtCorners = 3.046174197557781e-10 * kNarrower;  // 0.001 degrees
-constexpr double kLeastSine2AtEdges = 3.046174166936495e-08 * kNarrower;    // 0.01 degrees
+constexpr double kLeastSine2AtEdges = 7.615433561505986e-07 * kNarrower;    // 0.05 degrees
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide2 = 1e-12;
 

@@ -8,7 +8,7 @@
 // So these rules need to treat only positions over the inside and lines that pass through it.
 //
 // Angles have a least size, less a millionth of the sine's square:
-//   * between two facets at a common edge: 0.01 degrees;
+//   * between two facets at a common edge: 0.05 degrees. Vertices between them grow as 1 / angle;
 //   * between a facet and a segment that rises from one of its corners over its inside: 0.001
 //     degrees, as between segments (rules.h);
 //   * between a facet and such an edge of another facet, if only the corner is common: the same.
@@ -23,7 +23,7 @@
 namespace dynmesh::plc {
 
 // In degrees.
-inline constexpr double kLeastAngleAtEdges = 0.01, kLeastAngleAtCorners = 0.001;
+inline constexpr double kLeastAngleAtEdges = 0.05, kLeastAngleAtCorners = 0.001;
 
 // The greatest allowed distance of corners from the plane: 1e-9 of the facet's extent, at least 8
 // ulps.

@@ -62,7 +62,7 @@ struct GeometryOptions {
   bool refine = false;                   // the file is a mesh whose vertices become points
   FaceRules faces = FaceRules::kStrict;  // of surface files
   bool mend_rings = false;               // of maps (MapOptions::mended)
-  bool keep_facets = false;              // of surface files: faces in one plane stay apart
+  bool join_flat = false;                // of surface files: faces in one plane become one polygon
   bool holes_of_polygons = true;         // faces are joined to polygons of several rings, too
   bool any_script = false;  // an extension that no format is known by is an edit script's
 };

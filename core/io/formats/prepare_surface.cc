@@ -38,7 +38,7 @@ std::vector<FeatureId> Blamed(const MeshOptions& options, const std::vector<Feat
 void Join(const GeometryOptions& options, const MeshOptions& mesh, FileFeatures& file,
           SurfacePreparation& prepared) {
   coplanar::JoinOptions joining;
-  joining.join = !options.keep_facets;
+  joining.join = options.join_flat;
   joining.holes = options.holes_of_polygons;
   joining.rounding = [&](double x) { return file.rounding.Of(x); };
   joining.refused = [&](const std::vector<Feature>& features) { return Blamed(mesh, features); };

@@ -55,7 +55,7 @@ bool IsBelow(const V& u, const V& v, double squared_cosine) {
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
 }
 constexpr double kLeast = 1 - 3.046174197557781e-10 * (1 - 1e-6);         // 0.001 degrees
-constexpr double kLeastAtEdges = 1 - 3.046174166936495e-08 * (1 - 1e-6);  // 0.01 degrees
+constexpr double kLeastAtEdges = 1 - 7.615433561505986e-07 * (1 - 1e-6);  // 0.05 degrees
 
 class Face {
  public:
