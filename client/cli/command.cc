@@ -50,11 +50,6 @@ void PrintWarning(std::string_view message) {
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
-void PrintNote(std::string_view message) {
-  const std::string line = text::Concat("dynmesh: note: ", message, "\n");
-  std::fwrite(line.data(), 1, line.size(), stderr);
-}
-
 bool PrintOut(std::string_view text) {
   return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
          std::fflush(stdout) == 0;

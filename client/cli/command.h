@@ -36,8 +36,6 @@ CLI::App* AddCommand(CLI::App& app, CommandSlot& slot, const std::string& name,
 int ReportError(const absl::Status& status);
 int ExitCodeOf(const absl::Status& status);
 void PrintWarning(std::string_view message);
-// What was done without being asked for, to standard error.
-void PrintNote(std::string_view message);
 
 // Writes text to standard output and flushes, so that the reader of a pipe sees it at once. False
 // if that fails (a full disk, a closed pipe).

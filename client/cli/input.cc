@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/cli/command.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_input.h"
 #include "core/plc/facet_rules.h"
@@ -93,9 +92,6 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   const io::Format* const format = io::FindFormat(path);
   const bool is_script = !flags.refine && (format == nullptr || format->Is(io::kScript));
   const bool is_empty = geometry->features.empty() && !is_script;
-  if (const std::string done = geometry->prepared.Text(); !done.empty()) {
-    PrintNote(Concat(path, ": ", done));
-  }
   absl::StatusOr<Input> input = Finish(*std::move(geometry), path, flags);
   if (!input.ok() || !is_empty) return input;
   if (const std::uint64_t dropped = input->mended.dropped; dropped != 0) {

@@ -37,8 +37,7 @@ void AddJoinFlatFlag(CLI::App& command, InputFlags& flags);
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of
-// geometry is an edit script; its last revision counts. What was done to a surface is noted on
-// standard error. `options` has the dimension. Errors as
+// geometry is an edit script; its last revision counts. `options` has the dimension. Errors as
 // `file:line: ...`.
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
 // The same for the value of `flag`, the input of a mesh: INVALID_ARGUMENT if it has another

@@ -8,7 +8,7 @@
 //     is not joined if an edge or a corner of a segment, or of a face in another plane, would then
 //     lie inside the polygon, nor across an edge over which a segment leans. So joining does not
 //     make a valid input invalid, with one exception: a face that shares only a corner, with an
-//     edge at less than 1 degree just over a removed edge. Walls cut into triangles have many
+//     edge at less than 0.001 degrees just over a removed edge. Walls cut into triangles have many
 //     such faces, and these are joined themselves.
 //   * A region of several faces becomes one polygon, with the least of their ids. Its rings are its
 //     boundary, cut where it returns to a point: rings touch there. Each starts at its least corner

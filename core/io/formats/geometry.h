@@ -40,7 +40,7 @@ struct SurfacePreparation {
 struct Geometry {
   std::vector<Feature> features;
   MeshOptions options;                // the box: the file's own, or its bounding box
-  std::vector<std::string> warnings;  // content that was skipped
+  std::vector<std::string> warnings;  // content that was skipped or mended
   // Positions of holes and regions, and the file that has them.
   std::vector<SeedRow> holes;
   std::vector<SeedRow> regions;

@@ -85,6 +85,9 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
     Join(options, mesh, file, prepared);
   }
   Geometry geometry = GeometryOfSpace(std::move(file), path);
+  if (const std::string done = prepared.Text(); !done.empty()) {
+    geometry.warnings.push_back(text::Concat(path, ": ", done));
+  }
   geometry.prepared = prepared;
   return geometry;
 }
