@@ -192,28 +192,6 @@ void DelaunayTetrahedralization::FindCavity(const Point3& p, SimplexIndex start)
   }
 }
 
-// As FindCavity, but marks nothing: a tetrahedron may be tested once for each of its facets.
-void DelaunayTetrahedralization::CavityOf(const Point3& p, SimplexIndex conflicting,
-                                          Cavity* cavity) const {
-  assert(Conflicts(conflicting, p));
-  cavity->simplices.Clear();
-  cavity->facets.clear();
-  cavity->simplices.Number({conflicting});
-  for (std::size_t next = 0; next < cavity->simplices.keys().size(); ++next) {
-    const Tetrahedron& from = tetrahedra_[cavity->simplices.keys()[next][0]];
-    for (std::size_t i = 0; i < 4; ++i) {
-      const SimplexIndex t = from.opposite[i] >> 2;
-      if (cavity->simplices.Find({t}) != NumberTable<1>::kNone) continue;
-      if (Conflicts(t, p)) {
-        cavity->simplices.Number({t});
-        continue;
-      }
-      const auto& [a, b, c] = kFacet[i];
-      cavity->facets.push_back({from.v[a], from.v[b], from.v[c]});
-    }
-  }
-}
-
 void DelaunayTetrahedralization::Copy(const DelaunayTetrahedralization& other) {
   tetrahedra_ = other.tetrahedra_;
   tags_ = other.tags_;

@@ -17,6 +17,7 @@
 #define DYNMESH_CORE_DELAUNAY_DELAUNAY_TETRAHEDRALIZATION_H_
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -83,7 +84,19 @@ class DelaunayTetrahedralization : public TetrahedronTable {
     NumberTable<1> simplices;
     std::vector<std::array<VertexIndex, 3>> facets;
   };
-  void CavityOf(const geometry::Point3& p, SimplexIndex conflicting, Cavity* cavity) const;
+  void CavityOf(const geometry::Point3& p, SimplexIndex conflicting, Cavity* cavity) const {
+    VisitCavityOf(p, conflicting, cavity, [](Corner) { return true; });
+  }
+  // The same, but calls visit(facet) for each of `facets` once it is found, until visit returns
+  // false. Returns whether it never did; else `cavity` is incomplete.
+  template <class Visit>
+  bool VisitCavityOf(const geometry::Point3& p, SimplexIndex conflicting, Cavity* cavity,
+                     Visit visit) const;
+  // True if the facet would be one of those, seen from the tetrahedron `facet.simplex`: that one
+  // would go, the one beyond would stay.
+  bool IsOnCavity(Corner facet, const geometry::Point3& p) const {
+    return Conflicts(facet.simplex, p) && !Conflicts(Opposite(facet).simplex, p);
+  }
 
   // Becomes a copy of `other`.
   void Copy(const DelaunayTetrahedralization& other);
@@ -147,6 +160,31 @@ class DelaunayTetrahedralization : public TetrahedronTable {
   };
   std::unique_ptr<Hole, DeleteHole> hole_;
 };
+
+// As FindCavity, but marks nothing: a tetrahedron may be tested once for each of its facets.
+template <class Visit>
+bool DelaunayTetrahedralization::VisitCavityOf(const geometry::Point3& p, SimplexIndex conflicting,
+                                               Cavity* cavity, Visit visit) const {
+  assert(Conflicts(conflicting, p));
+  cavity->simplices.Clear();
+  cavity->facets.clear();
+  cavity->simplices.Number({conflicting});
+  for (std::size_t next = 0; next < cavity->simplices.keys().size(); ++next) {
+    const SimplexIndex inside = cavity->simplices.keys()[next][0];
+    const Tetrahedron& from = tetrahedra_[inside];
+    for (int i = 0; i < 4; ++i) {
+      const SimplexIndex t = from.opposite[i] >> 2;
+      if (cavity->simplices.Find({t}) != NumberTable<1>::kNone) continue;
+      if (Conflicts(t, p)) {
+        cavity->simplices.Number({t});
+        continue;
+      }
+      cavity->facets.push_back(FacetAt({inside, i}));
+      if (!visit(Corner{inside, i})) return false;
+    }
+  }
+  return true;
+}
 
 }  // namespace dynmesh::delaunay
 

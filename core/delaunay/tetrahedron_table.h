@@ -91,6 +91,12 @@ class TetrahedronTable {
   // The corner that faces c across the facet opposite to c.
   Corner Opposite(Corner c) const { return ToCorner(tetrahedra_[c.simplex].opposite[c.index]); }
 
+  // The vertices of the facet opposite to c, in the order of kFacet.
+  std::array<VertexIndex, 3> FacetAt(Corner c) const {
+    const auto& [i, j, k] = kFacet[static_cast<std::size_t>(c.index)];
+    const std::array<VertexIndex, 4>& v = tetrahedra_[c.simplex].v;
+    return {v[i], v[j], v[k]};
+  }
   // Vertices of a tetrahedron, positively oriented; one may be kInfinite.
   const std::array<VertexIndex, 4>& vertices(SimplexIndex t) const { return tetrahedra_[t].v; }
   // Also true for unused indices, so a loop below simplex_limit() needs no other test.

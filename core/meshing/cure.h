@@ -19,9 +19,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/space_predicates.h"
@@ -32,6 +35,7 @@
 #include "core/meshing/facet_work.h"
 #include "core/meshing/read_cover.h"
 #include "core/meshing/refinement_terms.h"
+#include "core/meshing/refusing_facets.h"
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/splits.h"
 #include "core/meshing/star.h"
@@ -66,10 +70,16 @@ class CureWork {
     void Read(std::uint32_t ordinal, VertexIndex a, VertexIndex b, VertexIndex c) {
       for (const std::uint32_t word : {ordinal, a, b, c}) context.Read(word);
     }
+    void AddReach(const Sliver& sliver, const Point& centre, double radius) {
+      const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
+      reach = std::max(reach, to_centre * kRootWider + radius);
+    }
     Context& context;
     ReadCover<D> cover;
     std::uint32_t candidate = 0;  // the one being tested
     bool is_attentive = false;    // a candidate encroached on a subsegment
+    // Untraced: no cure that is farther than this from the centre matters to what was found.
+    double reach = 0;
   };
 
   // Calls f(v, position) for vertices of cures in the ball, as of now, until f returns true.
@@ -80,13 +90,17 @@ class CureWork {
   VertexIndex UnmakerOf(Context& context, const Sliver& sliver) const;
   // True if x may become a vertex (on `facet` unless that is kNil). Most unsuitable points are
   // found by one bad tetrahedron that x would make with a facet of its cavity in the base. It
-  // counts unless a vertex of a cure unmakes it.
+  // counts unless a vertex of a cure unmakes it. Which of several reasons is found does not matter.
   bool Suits(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
              Reads* reads);
-  // True if a tetrahedron of x and a facet of its cavity is bad, and no vertex of a cure unmakes
-  // it. is_bad(v, p): of the facet's vertices and their positions.
-  template <class IsBad>
-  bool IsRefusedByBase(Context& context, const Point& x, IsBad is_bad, Reads* reads);
+  // True if the tetrahedron of x and that facet of its cavity is bad, and no vertex of a cure
+  // unmakes it.
+  bool IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
+                   const RefusingFacets::Facet& facet, Reads* reads);
+  // True if x, in the sliver's ball, encroaches on a subsegment.
+  bool Encroaches(Context& context, const Sliver& sliver, const Point& x);
+  // Untraced. True if an earlier round found nothing for the sliver and would find nothing now.
+  bool IsInVain(Context& context, const Sliver& sliver) const;
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
   // good tetrahedra. Returns whether vertices of cures are in it.
   bool MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
@@ -101,7 +115,7 @@ class CureWork {
                          const Point& x, const Sliver& sliver, BallOf ball_of) const;
   // True if the tetrahedron at corner i of the star is good.
   bool IsGoodCorner(int i, const Sliver& sliver) const;
-  void AddCornerTo(Reads* reads, int i) const;
+  void AddCornerTo(Reads* reads, const Sliver& sliver, int i) const;
 
   const Complex<D, E>& complex_;
   Emitter<D, E>& emitter_;
@@ -112,6 +126,17 @@ class CureWork {
   delaunay::DelaunayTetrahedralization::Cavity cavity_;
   delaunay::NumberTable<1> rim_;
   std::vector<typename SpatialTree<D>::Ball> balls_;
+  // Of the cure at work.
+  RefusingFacets refusing_;
+  int asked_ = 0;  // how often Encroaches was
+  std::vector<SubsegmentIndex> near_segments_;
+  // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
+  // the first vertex that was not yet there.
+  struct Failed {
+    double reach;
+    VertexIndex first_new;
+  };
+  absl::flat_hash_map<sac::Item, Failed> failed_;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -124,8 +149,12 @@ void CureWork<D, E>::Run(Context& context) {
     reads.cover.AddDistantBall(sliver.centre,
                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
+    refusing_.Clear();
+    asked_ = 0;
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
+    } else if (!kTraced && round > 0 && IsInVain(context, sliver)) {
+      if (round + 1 < kCureRounds) context.Request(kCure, context.item, CureEpoch(round + 1));
     } else {
       const auto emit_if_good = [&](std::uint32_t ordinal, const Point& x, FeatureSlot facet) {
         reads.candidate = ordinal;
@@ -136,6 +165,9 @@ void CureWork<D, E>::Run(Context& context) {
       const CandidatesTried tried = ForEachCandidate(complex_, sliver, emit_if_good);
       if (!tried.found && tried.are_all && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
+        if constexpr (!kTraced) {
+          failed_[context.item] = {reads.reach, complex_.elements.vertex_end()};
+        }
       }
     }
     if constexpr (kTraced) {
@@ -181,33 +213,31 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     }
     const TriangulationOf<D>& base = complex_.slivers.base();
     if (!base.Conflicts(sliver.simplex, x)) return false;
-    base.CavityOf(x, sliver.simplex, &cavity_);
-    const auto is_below = [&](const auto& v, const auto& p) {
-      return Counts(RefinementTerm::kCureKeepsAngles) &&
-             IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x});
-    };
     const bool keeps_segments = Counts(RefinementTerm::kCureKeepsSegments);
-    // Untraced, what would be refused at the star is refused without it, the cheapest test first. A
-    // trace has the star's record.
+    // A trace tests segments last: its record of a candidate that encroaches is the whole star.
     if constexpr (!kTraced) {
-      const auto is_bad = [&](const auto& v, const auto& p) {
-        return IsTooShortOrLarge(v, p, x, sliver,
-                                 [&] { return geometry::CircumballOf(x, p[0], p[2], p[1]); });
-      };
-      if (IsRefusedByBase(context, x, is_bad, reads)) return false;
-      if (keeps_segments && !search_.EncroachedBy(context, x).empty()) return false;
+      if (keeps_segments && Encroaches(context, sliver, x)) return false;
     }
-    if (IsRefusedByBase(context, x, is_below, reads)) return false;
-    const bool has_cures = MakeStarOf(context, sliver, x);
-    // Untraced, the tetrahedra with the cavity's facets are good.
-    for (int i = 0; (kTraced || has_cures) && i < star_.corner_count(); ++i) {
-      if (IsGoodCorner(i, sliver)) continue;
-      AddCornerTo(reads, i);
+    const auto refuses = [&](const RefusingFacets::Facet& by) {
+      return IsRefusedBy(context, sliver, x, by, reads);
+    };
+    if (refusing_.Any([&](const auto& by) { return base.IsOnCavity(by, x) && refuses(by); })) {
       return false;
     }
-    if constexpr (kTraced) {
-      for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, i);
+    const bool is_kept = base.VisitCavityOf(x, sliver.simplex, &cavity_, [&](const auto& by) {
+      if (!refuses(by)) return true;
+      refusing_.Add(by);
+      return false;
+    });
+    if (!is_kept) return false;
+    const bool has_cures = MakeStarOf(context, sliver, x);
+    // Without cures it is of the tetrahedra with the cavity's facets, which are good.
+    for (int i = 0; has_cures && i < star_.corner_count(); ++i) {
+      if (IsGoodCorner(i, sliver)) continue;
+      AddCornerTo(reads, sliver, i);
+      return false;
     }
+    for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, sliver, i);
     const bool keeps_facets = Counts(RefinementTerm::kCureKeepsFacets);
     if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
     if constexpr (kTraced) {
@@ -221,28 +251,72 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
 }
 
 template <int D, template <class> class E>
-template <class IsBad>
-bool CureWork<D, E>::IsRefusedByBase(Context& context, const Point& x, IsBad is_bad, Reads* reads) {
+bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
+                                 const RefusingFacets::Facet& facet, Reads* reads) {
   if constexpr (D == 3) {
     const TriangulationOf<D>& base = complex_.slivers.base();
-    for (const auto& v : cavity_.facets) {
-      const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]),
-                                      base.position(v[2])};
-      if (!is_bad(v, p)) continue;
-      const geometry::Circumball ball = geometry::CircumballOf(x, p[0], p[2], p[1]);
-      const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
-      Point centre = x;
-      for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
-      const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
-        return geometry::InSphere(p[0], p[1], p[2], x, y);
-      });
-      if (is_unmade) continue;
-      if constexpr (kTraced) {
-        reads->cover.AddDistantBall(centre, radius);
-        reads->Read(reads->candidate, v[0], v[2], v[1]);
-      }
+    const std::array<VertexIndex, 3> v = base.FacetAt(facet);
+    const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]), base.position(v[2])};
+    std::optional<geometry::Circumball> ball;
+    const auto ball_of = [&] {
+      if (!ball) ball = geometry::CircumballOf(x, p[0], p[2], p[1]);
+      return *ball;
+    };
+    const bool is_bad = IsTooShortOrLarge(v, p, x, sliver, ball_of) ||
+                        (Counts(RefinementTerm::kCureKeepsAngles) &&
+                         IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
+    if (!is_bad) return false;
+    ball_of();
+    const double radius = std::sqrt(ball->r2) + ball->error + 4 * complex_.rules.ulp();
+    Point centre = x;
+    for (int k = 0; k < 3; ++k) centre[k] += ball->w[static_cast<std::size_t>(k)];
+    const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
+      return geometry::InSphere(p[0], p[1], p[2], x, y);
+    });
+    if (is_unmade) return false;
+    if constexpr (kTraced) {
+      reads->cover.AddDistantBall(centre, radius);
+      reads->Read(reads->candidate, v[0], v[2], v[1]);
+    } else {
+      reads->AddReach(sliver, centre, radius);
+    }
+    return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::Encroaches(Context& context, const Sliver& sliver, const Point& x) {
+  constexpr int kFewAsked = 8;
+  if (complex_.border_only || ++asked_ <= kFewAsked) {
+    return !search_.EncroachedBy(context, x).empty();
+  }
+  if constexpr (D == 3) {
+    if (asked_ == kFewAsked + 1) {
+      search_.FindNear(context, sliver.centre,
+                       sliver.radius * kBarelyWider + 4 * complex_.rules.ulp(), &near_segments_);
+    }
+    for (std::size_t i = 0; i < near_segments_.size(); ++i) {
+      const Subsegment<D>& sub = complex_.subsegment(near_segments_[i]);
+      const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
+      if (sign > 0 || (sign == 0 && !Counts(RefinementTerm::kSurfaceCounts))) continue;
+      // The one that held most candidates gets to the front.
+      if (i > 0) std::swap(near_segments_[i - 1], near_segments_[i]);
       return true;
     }
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsInVain(Context& context, const Sliver& sliver) const {
+  const auto tried = failed_.find(context.item);
+  if (tried == failed_.end()) return false;
+  const auto& [reach, first_new] = tried->second;
+  const VertexIndex least = first_new;
+  if constexpr (D == 3) {
+    return !AnyCureIn(context, sliver.centre, reach,
+                      [least](VertexIndex v, const Point&) { return v >= least; });
   }
   return false;
 }
@@ -361,13 +435,17 @@ bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
 }
 
 template <int D, template <class> class E>
-void CureWork<D, E>::AddCornerTo(Reads* reads, int i) const {
+void CureWork<D, E>::AddCornerTo(Reads* reads, const Sliver& sliver, int i) const {
   if constexpr (D == 3) {
     const auto& corner = star_.corner(i);
-    reads->cover.AddDistantBall(CentreOf(star_, i),
-                                std::sqrt(corner.r2) + corner.error + 4 * complex_.rules.ulp());
-    const auto [a, b, c] = star_.IdsOf(i);
-    reads->Read(reads->candidate, a, b, c);
+    const double radius = std::sqrt(corner.r2) + corner.error + 4 * complex_.rules.ulp();
+    if constexpr (kTraced) {
+      reads->cover.AddDistantBall(CentreOf(star_, i), radius);
+      const auto [a, b, c] = star_.IdsOf(i);
+      reads->Read(reads->candidate, a, b, c);
+    } else {
+      reads->AddReach(sliver, CentreOf(star_, i), radius);
+    }
   }
 }
 

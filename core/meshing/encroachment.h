@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_MESHING_ENCROACHMENT_H_
 #define DYNMESH_CORE_MESHING_ENCROACHMENT_H_
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,6 +47,9 @@ class EncroachmentSearch {
   };
   // The visible subsegments that have x in their closed diametral balls.
   std::span<const Encroached> EncroachedBy(const Context& context, const Point& x);
+  // The visible subsegments that may have points of the ball in their diametral balls.
+  void FindNear(const Context& context, const Point& centre, double radius,
+                std::vector<SubsegmentIndex>* near) const;
 
  private:
   bool FindHiding(const Subsegment& sub);
@@ -166,6 +170,30 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
     }
   });
   return encroached_;
+}
+
+template <int D, template <class> class E>
+void EncroachmentSearch<D, E>::FindNear(const Context& context, const Point& centre, double radius,
+                                        std::vector<SubsegmentIndex>* near) const {
+  near->clear();
+  Extent<D> box = Extent<D>::Nothing();
+  box.AddBall(centre, radius);
+  complex_.tree.VisitBoxIf(
+      box, [](const Point&, double) { return true; },
+      [&](sac::Place place) {
+        for (const auto& [s, parts] : complex_.exposures.at(place)) {
+          const Subsegment& sub = complex_.subsegment(s);
+          if (!complex_.IsVisible(context, sub)) continue;
+          const double far = complex_.RadiusOf(sub) + radius;
+          if (geometry::SquaredDistance(
+                  geometry::Midpoint(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p), centre) <=
+              far * far) {
+            near->push_back(s);
+          }
+        }
+      });
+  std::sort(near->begin(), near->end());
+  near->erase(std::unique(near->begin(), near->end()), near->end());
 }
 
 }  // namespace dynmesh::meshing
