@@ -59,25 +59,29 @@ constexpr Item kSpaceConflicts[] = {
     {"angle of segments, large enough", "add point 30 0.25 0.5 0.875; add segment 31 5 30"},
     {"angle of a polygon's own edges",
      "add point 30 0 0 0; add point 31 1 0 0; add point 32 1 0.5 0; add polygon 33 30 31 32"},
-    {"angle of a segment with a polygon", "add point 30 0.5 0.5 0.501953125; add segment 31 1 30"},
+    {"angle of a segment with a polygon",
+     "add point 30 0.5 0.5 0.500003814697265625; add segment 31 1 30"},
     {"angle of a segment with a polygon, right", "add point 30 0.5 0.5 0.875; add segment 31 1 30"},
     {"angle of a segment beside a polygon", "add point 30 0.125 0.125 0.625; add segment 31 1 30"},
     {"angle of polygons",
-     "add point 30 0.5 0.75 0.501953125; add point 31 0.5 0.25 0.501953125; add polygon 32 3 2 31 "
+     "add point 30 0.5 0.75 0.50006103515625; add point 31 0.5 0.25 0.50006103515625; add polygon "
+     "32 3 2 31 "
      "30"},
     {"angle of polygons at an edge",
-     "add point 30 0.25 0.75 0.501953125; add point 31 0.25 0.25 0.501953125; add polygon 32 3 2 "
+     "add point 30 0.25 0.75 0.50006103515625; add point 31 0.25 0.25 0.50006103515625; add "
+     "polygon 32 3 2 "
      "31 30"},
     {"angle of polygons that leads over the other",
      "add point 30 0.125 0.125 0.25; add point 31 0.875 0.125 0.25; add point 32 0.875 0.875 "
      "0.25; add point 33 0.5 0.875 0.25; add point 34 0.5 0.5 0.25; add point 35 0.125 0.5 0.25; "
-     "remove 10; add polygon 36 30 31 32 33 34 35; add point 37 0.75 0.5 0.251953125; add point 38 "
+     "remove 10; add polygon 36 30 31 32 33 34 35; add point 37 0.75 0.5 0.250003814697265625; add "
+     "point 38 "
      "0.75 0.5 0.75; add point 39 0.125 0.5 0.75; add polygon 40 35 34 37 38 39"},
     {"angle of polygons, right",
      "add point 30 0.75 0.75 0.75; add point 31 0.75 0.25 0.75; add polygon 32 3 2 31 30"},
     {"angle of polygons moved",
      "add point 30 0.75 0.75 0.75; add point 31 0.75 0.25 0.75; add polygon 32 3 2 31 30; move "
-     "point 30 0.5 0.75 0.501953125; move point 31 0.5 0.25 0.501953125"},
+     "point 30 0.5 0.75 0.50006103515625; move point 31 0.5 0.25 0.50006103515625"},
     {"edge that leans over a polygon", "add point 30 0.734375 0.625 0.5625; add polygon 31 2 3 30"},
     {"edge that leans away", "add point 30 0.765625 0.625 0.5625; add polygon 31 2 3 30"},
     {"earliest of three", "add point 40 0.1 0.1 0.1; add point 30 0.5 0.5 0.5; remove 77"},

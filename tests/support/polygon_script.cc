@@ -177,44 +177,9 @@ Solid MakeSpindle(int n) {
   return solid;
 }
 
-// A block with an edge of 63 degrees and on it a needle. The needle's long edge rises over the top
-// at that angle, in radians; the two facets have a corner in common only.
-Solid MakeNeedleAtAnEdge(double angle) {
-  Solid solid;
-  const double down = 2 * std::tan(angle);
-  for (const Place& p : {Place{0, 0.5, 0},
-                         {2, 0.5, 0},
-                         {2, 1, 0},
-                         {0, 1, 0},
-                         {0, 0, 1},
-                         {2, 0.002, 1},
-                         {2, 1, 1},
-                         {0, 1, 1},
-                         {2, 0.002 + 0.3 * down, 1 - down}}) {
-    solid.corners.push_back({0.7 * (p[0] - 1), 0.7 * (p[1] - 0.5), 0.7 * (p[2] - 0.5)});
-  }
-  for (const std::vector<FeatureId>& ring : {std::vector<FeatureId>{0, 3, 2, 1},
-                                             {4, 5, 6, 7},
-                                             {0, 1, 8},
-                                             {0, 8, 4},
-                                             {4, 8, 5},
-                                             {1, 2, 6},
-                                             {1, 6, 5},
-                                             {1, 5, 8},
-                                             {2, 3, 7},
-                                             {2, 7, 6},
-                                             {3, 0, 4},
-                                             {3, 4, 7}}) {
-    AddFace(solid, ring);
-  }
-  return solid;
-}
-
 Solid MakeSharp(Random& random) {
   const double angle = std::ldexp(0.8, -random.Below(6));
-  switch (random.Below(6)) {
-    case 5:
-      return MakeNeedleAtAnEdge(std::ldexp(0.015, -random.Below(8)));
+  switch (random.Below(5)) {
     case 0:
       return MakeFork(2 + random.Below(6), angle, random);
     case 1:

@@ -120,8 +120,10 @@ TEST_F(HelpPages, FormatsAreThoseOfTheTable) {
 }
 
 TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
-  // A low wall at 80 degrees over a floor. Cut into triangles it has an edge that leans.
-  const std::string corners = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.007 0.04\n0 0.007 0.04\n";
+  // A low wall at 80 degrees over a floor. Cut into triangles it has an edge that leans, at 0.0009
+  // degrees.
+  const std::string corners =
+      "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.000011 0.0000628\n0 0.000011 0.0000628\n";
   folder_.Write("c.off", "OFF\n6 3 0\n" + corners + "4 0 1 2 3\n3 0 1 4\n3 0 4 5\n");
   const Outcome refused = Run("mesh c.off");
   EXPECT_EQ(refused.code, 2);
@@ -129,8 +131,8 @@ TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
             std::string::npos)
       << refused.err;
   EXPECT_EQ(Run("mesh c.off --merge-coplanar").code, 0);
-  // At 0.8 degrees it would not help.
-  const std::string sharp = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 1.5 0.02\n0 1.5 0.02\n";
+  // At 0.04 degrees it would not help.
+  const std::string sharp = "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 1.5 0.001\n0 1.5 0.001\n";
   folder_.Write("s.off", "OFF\n6 3 0\n" + sharp + "4 0 1 2 3\n3 0 1 4\n3 0 4 5\n");
   const Outcome hopeless = Run("mesh s.off");
   EXPECT_EQ(hopeless.code, 2);

@@ -93,7 +93,7 @@ TEST_F(ImportSurface, WhatAMeshStillRefusesIsCounted) {
   EXPECT_NE(outcome.out.find("refused by a mesh  1 (SMALL_INPUT_ANGLE 1)"), std::string::npos)
       << outcome.out;
   EXPECT_EQ(folder_.Read("out.off"),
-            "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 0.0005\n3 0 1 2\n3 0 1 3\n");
+            "OFF\n4 2 0\n0 0 0\n0 1 0\n1 0.5 0\n1 0.5 5e-04\n3 0 1 2\n3 0 1 3\n");
 }
 
 TEST_F(ImportSurface, OfNearlyFlatPatchesOnlyFeatureEdgesAreKept) {

@@ -119,7 +119,7 @@ TEST(LiveQuadtree, FeaturesMayMeetAtAnyAngle) {
   const auto tree = *DynamicMesh::Create(Quadtree(3));
   const EditBatch batch = {
       Edit::Add(Feature::Point(1, 0, 0, 0)),       Edit::Add(Feature::Point(2, 1, 0, 0)),
-      Edit::Add(Feature::Point(3, 1, 0.01, 0)),    Edit::Add(Feature::Point(4, 1, 0.01, 0.001)),
+      Edit::Add(Feature::Point(3, 1, 0.01, 0)),    Edit::Add(Feature::Point(4, 1, 0.01, 5e-6)),
       Edit::Add(Feature::Segment(5, 1, 2)),        Edit::Add(Feature::Segment(6, 1, 3)),
       Edit::Add(Feature::Polygon(7, {{1, 2, 3}})), Edit::Add(Feature::Polygon(8, {{1, 2, 4}}))};
   EXPECT_TRUE(tree->Apply(batch, {}).ok());
