@@ -32,10 +32,6 @@ absl::StatusOr<Input> Finish(io::Geometry geometry, const std::string& path,
   return input;
 }
 
-std::string SurfaceFormats() {
-  return io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); });
-}
-
 absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
   const io::Format* const format = io::FindFormat(path);
   if (flags.polygons && (format == nullptr || !format->Is(io::kMap))) {
@@ -53,16 +49,12 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 
 }  // namespace
 
-void AddJoinFlatFlag(CLI::App& command, InputFlags& flags) {
+void AddInputFlags(CLI::App& command, InputFlags& flags) {
   command.add_flag(
       "--join-flat", flags.join_flat,
-      Concat("Of a ", SurfaceFormats(),
+      Concat("Of a ", io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); }),
              ": faces in one plane within the rounding of the file's numbers become "
              "one polygon; their corners move onto the plane, by 4 roundings at most"));
-}
-
-void AddInputFlags(CLI::App& command, InputFlags& flags) {
-  AddJoinFlatFlag(command, flags);
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
                        "Of 3D input: join faces that lie in one plane and share edges");

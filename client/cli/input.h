@@ -31,8 +31,6 @@ struct InputFlags : io::GeometryOptions {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
 };
-// --join-flat.
-void AddJoinFlatFlag(CLI::App& command, InputFlags& flags);
 // --join-flat, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 

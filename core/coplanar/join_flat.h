@@ -9,7 +9,7 @@
 //     (flatten.h). Where that does not do for all planes at a corner, faces stay as they were.
 //   * Polygons of four and more corners that are not flat become triangles.
 //   * If a mesh refuses the result for what is joined or has moved, the faces there stay as they
-//   were.
+//     were.
 //
 // The polygons are a function of the faces and their coordinates, not of the order of faces,
 // corners and features, nor of the faces' orientation. Only ids depend on ids. Thread-safe. O(n lg

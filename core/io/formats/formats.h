@@ -48,8 +48,8 @@ enum FormatFlag : std::uint32_t {
   kKeepsSeeds = 1 << 10,  // positions of holes and regions
   kKeepsMarkers = 1 << 11,
   kKeepsNames = 1 << 12,
-  // Faces approximate a surface, and none has a meaning of its own: those in one plane are joined
-  // (prepare_surface.h).
+  // Faces approximate a surface, and none has a meaning of its own: they are mended, and may be
+  // joined (prepare_surface.h).
   kSurface = 1 << 13,
   kKeepsAllButSeeds = kKeepsSegments | kKeepsPolygons | kKeepsPolygonHoles | kKeepsSizes |
                       kKeepsMarkers | kKeepsNames,

@@ -17,25 +17,10 @@
 #include "core/io/maps/mended_rings.h"
 #include "core/io/script/edit_script.h"
 #include "core/io/space/face_rules.h"
-#include "core/io/space/surface_mending.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::io {
-
-// What was done to the faces of a surface file (prepare_surface.h).
-struct SurfacePreparation {
-  bool is_surface = false;
-  SurfaceMends mends;
-  std::size_t joined = 0, polygons = 0;  // faces in one plane, and what they became
-  std::size_t cut = 0;                   // faces that are not flat: triangles now
-  std::size_t moved = 0;                 // corners, onto planes
-  double most_moved = 0;                 // the largest distance
-
-  // What was done, for users: "2 points made one, 12 faces joined into 6 polygons". Empty if
-  // nothing.
-  std::string Text() const;
-};
 
 struct Geometry {
   std::vector<Feature> features;
@@ -47,7 +32,6 @@ struct Geometry {
   std::string seed_file;
   std::vector<PolygonName> polygon_names;  // of a map's polygons
   MendedRings mended;                      // of a map, if asked for
-  SurfacePreparation prepared;             // of a surface
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;

@@ -35,8 +35,14 @@ std::vector<FeatureId> Blamed(const MeshOptions& options, const std::vector<Feat
   return detail ? detail->features : std::vector<FeatureId>();
 }
 
-void Join(const GeometryOptions& options, const MeshOptions& mesh, FileFeatures& file,
-          SurfacePreparation& prepared) {
+bool HasFacesToCut(const std::vector<Feature>& features) {
+  return std::ranges::any_of(features, [](const Feature& f) {
+    return f.kind == FeatureKind::kPolygon && f.rings.front().size() > 3;
+  });
+}
+
+coplanar::JoinedFaces Join(const GeometryOptions& options, const MeshOptions& mesh,
+                           FileFeatures& file) {
   coplanar::JoinOptions joining;
   joining.join = options.join_flat;
   joining.holes = options.holes_of_polygons;
@@ -48,47 +54,43 @@ void Join(const GeometryOptions& options, const MeshOptions& mesh, FileFeatures&
     file.lines[part - 1] = file.lines[whole - 1];
   }
   file.features = std::move(joined.features);
-  prepared.mends.faces_without_area += joined.needles;
-  prepared.joined = joined.joined;
-  prepared.polygons = joined.polygons;
-  prepared.cut = joined.cut;
-  prepared.moved = joined.moved;
-  prepared.most_moved = joined.most_moved;
+  return joined;
 }
 
-}  // namespace
-
-std::string SurfacePreparation::Text() const {
+// What was done, for users: "2 point(s) made one with others, 12 faces joined into 6 polygon(s)".
+// Empty if nothing.
+std::string TextOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joined) {
   std::string text;
   const auto add = [&](std::size_t count, const auto&... what) {
     if (count != 0) text += text::Concat(text.empty() ? "" : ", ", count, " ", what...);
   };
   add(mends.equal_points + mends.near_points, "point(s) made one with others");
   add(mends.faces_twice, "face(s) twice left out");
-  add(mends.faces_without_area, "face(s) without area left out");
-  add(cut, "face(s) not flat cut into triangles");
-  add(joined, "faces joined into ", polygons, " polygon(s)");
-  add(moved, "corner(s) moved by up to ", static_cast<float>(most_moved));
+  add(mends.faces_without_area + joined.needles, "face(s) without area left out");
+  add(joined.cut, "face(s) not flat cut into triangles");
+  add(joined.joined, "faces joined into ", joined.polygons, " polygon(s)");
+  add(joined.moved, "corner(s) moved by up to ", static_cast<float>(joined.most_moved));
   return text;
 }
 
+}  // namespace
+
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options) {
-  SurfacePreparation prepared;
-  prepared.is_surface = true;
   const MeshOptions mesh = OptionsOf(file);
   // Coordinates out of range are refused with their feature, by the mesh.
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
-  prepared.mends = MendSurface(near, file);
-  if (std::all_of(file.features.begin(), file.features.end(),
-                  [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
-    Join(options, mesh, file, prepared);
+  const SurfaceMends mends = MendSurface(near, file);
+  coplanar::JoinedFaces joined;
+  if ((options.join_flat || HasFacesToCut(file.features)) &&
+      std::ranges::all_of(file.features,
+                          [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
+    joined = Join(options, mesh, file);
   }
   Geometry geometry = GeometryOfSpace(std::move(file), path);
-  if (const std::string done = prepared.Text(); !done.empty()) {
+  if (const std::string done = TextOf(mends, joined); !done.empty()) {
     geometry.warnings.push_back(text::Concat(path, ": ", done));
   }
-  geometry.prepared = prepared;
   return geometry;
 }
 

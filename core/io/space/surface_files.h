@@ -5,11 +5,9 @@
 //       its line or on the next. Colours, normals and texture coordinates are ignored. Not
 //       supported: 4OFF, nOFF and binary files.
 // .stl  ASCII or binary. A file is binary iff its length fits its count of triangles, or is less
-// than
-//       a triangle more. Corners
-//       with equal coordinates are one point (-0 is 0). Several solids are allowed; names,
-//       normals and attribute bytes are ignored. In a binary file "lines" are triangles,
-//       counted from 1.
+//       than a triangle more. Corners with equal coordinates are one point (-0 is 0). Several
+//       solids are allowed; names, normals and attribute bytes are ignored. In a binary file
+//       "lines" are triangles, counted from 1.
 // .obj  v, f, l and p; indices are v, v/vt, v//vn or v/vt/vn; negative ones count back from
 //       the last vertex so far. Polylines become segments. Point elements add nothing, since all
 //       vertices become points. A line that ends in \ goes on. Everything else is ignored. Not

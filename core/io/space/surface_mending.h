@@ -4,8 +4,7 @@
 //   * Points at one place are one, with the least of their ids. So are points nearer to each other
 //     than a distance, at the place that most faces have, of several the least.
 //   * A face without area goes: corners at one place, or all on one line (coplanar/needles.h).
-//   Where it
-//     was beside a longer edge, the faces there get its corners on that edge.
+//     Where it was beside a longer edge, the faces there get its corners on that edge.
 //   * Of faces with the same edges the one with the least id stays.
 //   * Segments lose what points and faces lose.
 //
