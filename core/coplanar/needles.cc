@@ -25,14 +25,14 @@ class NeedleDropper {
  public:
   NeedleDropper(const std::vector<Point3>& positions, const std::function<double(Corner)>& within,
                 const std::vector<CornerPair>& segments, std::vector<CornerRing>& rings)
-      : positions_(positions), within_(within), segments_(segments), rings_(rings) {
-    for (std::size_t f = 0; f < rings.size(); ++f) {
-      ForEachEdgeOf(std::span(&rings[f], 1), [&](Corner p, Corner q) { Add(p, q, f); });
-    }
-  }
+      : positions_(positions), within_(within), segments_(segments), rings_(rings) {}
 
   std::size_t Run() {
     for (std::size_t f = 0; f < rings_.size(); ++f) Look(f);
+    if (open_.empty()) return 0;
+    for (std::size_t f = 0; f < rings_.size(); ++f) {
+      ForEachEdgeOf(std::span(&rings_[f], 1), [&](Corner p, Corner q) { Add(p, q, f); });
+    }
     std::size_t dropped = 0;
     while (!open_.empty()) {
       const std::size_t f = open_.begin()->second;

@@ -58,9 +58,10 @@ class Mender {
     std::vector<CornerRing> rings = SplitFaces(sources);
     const std::vector<CornerPair> segments = Segments();
     DropTwice(rings);
-    mends_.faces_without_area += coplanar::DropNeedles(
+    const std::size_t needles = coplanar::DropNeedles(
         positions_, [](Corner) { return 0.0; }, segments, rings);
-    DropTwice(rings);
+    mends_.faces_without_area += needles;
+    if (needles > 0) DropTwice(rings);  // what got corners
     Write(rings, sources);
     return mends_;
   }
@@ -140,6 +141,14 @@ class Mender {
 
   // ---- faces
 
+  // REQUIRES: no two neighbours are the same.
+  static bool VisitsNoCornerTwice(const CornerRing& ring) {
+    if (ring.size() == 3) return true;
+    CornerRing sorted = ring;
+    std::sort(sorted.begin(), sorted.end());
+    return std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+  }
+
   // Each as rings that visit no corner twice.
   std::vector<CornerRing> SplitFaces(std::vector<std::size_t>& sources) {
     std::vector<CornerRing> rings;
@@ -150,8 +159,11 @@ class Mender {
         if (ring.empty() || ring.back() != to) ring.push_back(to);
       }
       while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
+      const bool is_whole = ring.size() == faces_[f].size() && VisitsNoCornerTwice(ring);
       std::vector<CornerRing> parts;
-      if (ring.size() > 2) {
+      if (is_whole) {  // it keeps its first corner and its direction
+        parts.push_back(std::move(ring));
+      } else if (ring.size() > 2) {
         // From the least corner to its lesser neighbour, so that cuts do not depend on the start.
         ring = coplanar::Canonical({std::move(ring)}).front();
         ring.push_back(ring.front());
@@ -166,11 +178,6 @@ class Mender {
         std::erase_if(parts, [](const CornerRing& part) { return part.size() < 3; });
       }
       if (parts.empty()) ++mends_.faces_without_area;
-      // A face that is whole keeps its first corner and its direction.
-      if (parts.size() == 1 && parts.front().size() == faces_[f].size()) {
-        parts.front() = faces_[f];
-        for (Corner& c : parts.front()) c = root_[c];
-      }
       for (CornerRing& part : parts) {
         rings.push_back(std::move(part));
         sources.push_back(f);
