@@ -15,6 +15,7 @@
 #include "core/base/rings.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/plane_fit.h"
+#include "core/coplanar/region_plane.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/space_predicates.h"
@@ -24,66 +25,6 @@ namespace dynmesh::coplanar {
 using geometry::Point3;
 
 namespace {
-
-double NormOf(const std::array<double, 3>& v) {
-  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-// The plane of a ring, with the tolerance as thickness on either side.
-class Plane {
- public:
-  Plane(const PointRing& ring, AxisView view, double tolerance)
-      : three_(LeastCorner(ring, view)),
-        normal_(AreaVector(ring)),
-        reach_(tolerance * NormOf(normal_)) {}
-
-  // Of rounded corners: within `share` roundings, and `share_of_plane` for each of the plane's
-  // errors.
-  Plane(const PlaneFit& fit, const std::vector<geometry::Vector3>& roundings, double share,
-        double share_of_plane)
-      : normal_(fit.normal()),
-        fit_(fit),
-        roundings_(&roundings),
-        share_(share),
-        share_of_plane_(share_of_plane) {}
-
-  bool Contains(Corner c, const Point3& p) const {
-    if (fit_) {
-      const double rounding = RoundingAlong(normal_, (*roundings_)[c]);
-      const double share =
-          share_ + (share_of_plane_ > 0 ? share_of_plane_ * std::min(fit_->ErrorAt(p), 4.0) : 0);
-      return std::abs(fit_->Height(p)) <= share * rounding;
-    }
-    if (geometry::Orientation(three_[0], three_[1], three_[2], p) == 0) return true;
-    if (!(reach_ > 0)) return false;
-    const Point3& o = three_[1];
-    return std::abs(normal_[0] * (p[0] - o[0]) + normal_[1] * (p[1] - o[1]) +
-                    normal_[2] * (p[2] - o[2])) <= reach_;
-  }
-
-  // Is the angle between o-p and o-q, which is in the plane, too small for meshes over a polygon's
-  // inside, but not over its edges?
-  bool IsSharpOver(const Point3& o, const Point3& q, const Point3& p) const {
-    const geometry::Vector3 d = geometry::Difference(p.c, o.c);
-    const geometry::Vector3 e = geometry::Difference(q.c, o.c);
-    const double length = NormOf(normal_) * NormOf(d);
-    return std::abs(geometry::Dot(normal_, d)) < kSineOver * length && geometry::Dot(d, e) > 0 &&
-           std::abs(geometry::Dot(normal_, geometry::Cross(e, d))) <=
-               kJustOver * NormOf(e) * length;
-  }
-
- private:
-  // sin 70 degrees, plus a millionth.
-  static constexpr double kSineOver = 0.9396926207859084 * (1 + 1e-6);
-  static constexpr double kJustOver = 1e-6;
-
-  std::array<Point3, 3> three_ = {};
-  std::array<double, 3> normal_;
-  double reach_ = 0;
-  std::optional<PlaneFit> fit_;
-  const std::vector<geometry::Vector3>* roundings_ = nullptr;
-  double share_ = 0, share_of_plane_ = 0;
-};
 
 // The edges with a growing region on one side only, and their number at each corner.
 class Rim {
@@ -221,7 +162,7 @@ class Finder {
     return order;
   }
 
-  bool IsIn(const Plane& plane, std::size_t f) const {
+  bool IsIn(const RegionPlane& plane, std::size_t f) const {
     for (const CornerRing& ring : faces_[f]) {
       for (const Corner c : ring) {
         if (!plane.Contains(c, positions_[c])) return false;
@@ -259,15 +200,15 @@ class Finder {
   }
 
   // Does the corner have a feature outside the plane, or one other than faces?
-  bool IsNeeded(Corner c, const Plane& plane) const {
+  bool IsNeeded(Corner c, const RegionPlane& plane) const {
     return kept_.corners[c] || std::any_of(faces_at_[c].begin(), faces_at_[c].end(),
                                            [&](std::size_t f) { return IsOther(plane, f); });
   }
   // Is it in another plane, or in a region of another one?
-  bool IsOther(const Plane& plane, std::size_t f) const {
+  bool IsOther(const RegionPlane& plane, std::size_t f) const {
     return !IsIn(plane, f) || (is_rounded_ && state_[f].taken && state_[f].region != region_);
   }
-  bool IsNeeded(const CornerPair& edge, const Plane& plane) const {
+  bool IsNeeded(const CornerPair& edge, const RegionPlane& plane) const {
     if (std::binary_search(kept_.edges.begin(), kept_.edges.end(), edge)) return true;
     const std::span<const Use> uses = UsesOf(edge);
     if (uses.size() > 2 && std::any_of(uses.begin(), uses.end(),
@@ -292,7 +233,7 @@ class Finder {
   }
 
   // Adds a face to the rim, unless a needed edge or corner would then not be on it.
-  bool Enclose(std::size_t f, const Plane& plane, Rim& rim) const {
+  bool Enclose(std::size_t f, const RegionPlane& plane, Rim& rim) const {
     rim.Toggle(faces_[f]);
     bool good = true;
     ForEachEdgeOf(faces_[f], [&](Corner p, Corner q) {
@@ -322,7 +263,7 @@ class Finder {
     const std::optional<AxisView> view = ViewOf(outer);
     if (!view) return std::nullopt;
     std::optional<FlatRegion> region =
-        GrowIn(seed, Plane(outer, *view, tolerance), *view, tolerance);
+        GrowIn(seed, RegionPlane(outer, *view, tolerance), *view, tolerance);
     return region && Close(*region) ? std::move(region) : std::nullopt;
   }
 
@@ -354,8 +295,8 @@ class Finder {
     for (int turn = 0;; ++turn) {
       const PlaneFit fit(CornersOf(faces), area);
       const bool is_last = turn >= kMostTurns;
-      const Plane plane =
-          is_last ? Plane(fit, roundings, kBand, 0) : Plane(fit, roundings, 1.5, 1.5);
+      const RegionPlane plane =
+          is_last ? RegionPlane(fit, roundings, kBand, 0) : RegionPlane(fit, roundings, 1.5, 1.5);
       if (region) Free(*region, seed);
       region = GrowIn(seed, plane, *view, 0);
       if (!region) return std::nullopt;
@@ -378,7 +319,7 @@ class Finder {
   }
 
   // The faces around the seed that are in the plane.
-  std::optional<FlatRegion> GrowIn(std::size_t seed, const Plane& plane, AxisView view,
+  std::optional<FlatRegion> GrowIn(std::size_t seed, const RegionPlane& plane, AxisView view,
                                    double tolerance) {
     std::optional<std::vector<bool>> sides = SidesOf(seed, view);
     if (!sides || !IsIn(plane, seed)) return std::nullopt;
@@ -484,12 +425,6 @@ FlatRegions FindFlatRegions(const std::vector<Point3>& positions,
                             const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
                             const Thickness& most) {
   return Finder(positions, faces, kept, tolerance, most).Run();
-}
-
-double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) sum += std::abs(normal[k]) * rounding[k];
-  return sum;
 }
 
 std::vector<FlatRegion> FindRoundedRegions(const std::vector<Point3>& positions,

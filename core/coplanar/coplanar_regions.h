@@ -72,8 +72,6 @@ std::vector<FlatRegion> FindRoundedRegions(const std::vector<geometry::Point3>& 
                                            const std::vector<geometry::Vector3>& roundings,
                                            const std::vector<FaceRings>& faces, const Kept& kept,
                                            const std::vector<bool>& stay);
-// The rounding of a height over a plane with this normal.
-double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding);
 
 }  // namespace dynmesh::coplanar
 

@@ -81,4 +81,10 @@ double PlaneFit::ErrorAt(const Point3& p) const {
   return std::sqrt(1 / count_ + (det > 0 ? far / det : 0));
 }
 
+double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) sum += std::abs(normal[k]) * rounding[k];
+  return sum;
+}
+
 }  // namespace dynmesh::coplanar

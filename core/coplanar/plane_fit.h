@@ -37,6 +37,9 @@ class PlaneFit {
   double count_ = 0;
 };
 
+// The rounding of a height over a plane with this normal.
+double RoundingAlong(const geometry::Vector3& normal, const geometry::Vector3& rounding);
+
 }  // namespace dynmesh::coplanar
 
 #endif  // DYNMESH_CORE_COPLANAR_PLANE_FIT_H_
