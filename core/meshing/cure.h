@@ -297,9 +297,7 @@ bool CureWork<D, E>::Encroaches(Context& context, const Sliver& sliver, const Po
                        sliver.radius * kBarelyWider + 4 * complex_.rules.ulp(), &near_segments_);
     }
     for (std::size_t i = 0; i < near_segments_.size(); ++i) {
-      const Subsegment<D>& sub = complex_.subsegment(near_segments_[i]);
-      const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
-      if (sign > 0 || (sign == 0 && !Counts(RefinementTerm::kSurfaceCounts))) continue;
+      if (search_.SignOf(complex_.subsegment(near_segments_[i]), x) > 0) continue;
       // The one that held most candidates gets to the front.
       if (i > 0) std::swap(near_segments_[i - 1], near_segments_[i]);
       return true;

@@ -47,6 +47,9 @@ class EncroachmentSearch {
   };
   // The visible subsegments that have x in their closed diametral balls.
   std::span<const Encroached> EncroachedBy(const Context& context, const Point& x);
+  // Negative if x is in the subsegment's open diametral ball, 0 if it encroaches from the surface,
+  // else positive.
+  int SignOf(const Subsegment& sub, const Point& x) const;
   // The visible subsegments that may have points of the ball in their diametral balls.
   void FindNear(const Context& context, const Point& centre, double radius,
                 std::vector<SubsegmentIndex>* near) const;
@@ -164,12 +167,18 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
       if ((parts & part) != part) continue;  // there may be thousands in a cell without points
       const Subsegment& sub = complex_.subsegment(s);
       if (!complex_.IsVisible(context, sub)) continue;
-      const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
-      if (sign > 0 || (sign == 0 && !Counts(RefinementTerm::kSurfaceCounts))) continue;
+      const int sign = SignOf(sub, x);
+      if (sign > 0) continue;
       encroached_.push_back({s, sign < 0 || !Counts(RefinementTerm::kSurfaceRechecks)});
     }
   });
   return encroached_;
+}
+
+template <int D, template <class> class E>
+int EncroachmentSearch<D, E>::SignOf(const Subsegment& sub, const Point& x) const {
+  const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
+  return sign == 0 && !Counts(RefinementTerm::kSurfaceCounts) ? 1 : sign;
 }
 
 template <int D, template <class> class E>
