@@ -11,7 +11,7 @@
 #include "core/base/rings.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/geometry/circumball.h"
-#include "core/geometry/predicates.h"
+#include "core/geometry/collinear.h"
 
 namespace dynmesh::coplanar {
 
@@ -61,9 +61,9 @@ class NeedleDropper {
     const geometry::Vector3 way = geometry::Difference(to.c, from.c);
     std::vector<std::pair<double, Corner>> along;
     for (const Corner c : ring) {
-      if (c != ends.first && c != ends.second && !AreOnLine(from, positions_[c], to)) {
+      if (c != ends.first && c != ends.second && !geometry::AreCollinear(from, positions_[c], to)) {
         const double within = within_(c);
-        if (!(within > 0 && DistanceToLine(positions_[c], from, to) <= within)) return {};
+        if (!(within > 0 && geometry::DistanceToLine(positions_[c], from, to) <= within)) return {};
       }
       along.emplace_back(geometry::Dot(geometry::Difference(positions_[c].c, from.c), way), c);
     }
@@ -153,19 +153,6 @@ class NeedleDropper {
 };
 
 }  // namespace
-
-bool AreOnLine(const Point3& p, const Point3& q, const Point3& r) {
-  for (const AxisView view : {AxisView{0, 1}, AxisView{1, 2}, AxisView{2, 0}}) {
-    if (geometry::Orientation(view.Of(p), view.Of(q), view.Of(r)) != 0) return false;
-  }
-  return true;
-}
-
-double DistanceToLine(const Point3& p, const Point3& a, const Point3& b) {
-  const geometry::Vector3 way = geometry::Difference(b.c, a.c);
-  const geometry::Vector3 cross = geometry::Cross(way, geometry::Difference(p.c, a.c));
-  return std::sqrt(geometry::Dot(cross, cross) / geometry::Dot(way, way));
-}
 
 std::size_t DropNeedles(const std::vector<Point3>& positions,
                         const std::function<double(Corner)>& within,

@@ -14,12 +14,6 @@
 
 namespace dynmesh::coplanar {
 
-// Are all three on one line? Exact.
-bool AreOnLine(const geometry::Point3& p, const geometry::Point3& q, const geometry::Point3& r);
-// The distance of p from the line through two different points. Rounded.
-double DistanceToLine(const geometry::Point3& p, const geometry::Point3& a,
-                      const geometry::Point3& b);
-
 // Empties the rings without area and returns their number. `within` is how far a corner may be from
 // the line; 0: exactly on it. A ring stays if a segment lies on its long edge, if that edge is of a
 // ring with the same corners, or if it has more than 16 corners. `segments` are ascending. Each

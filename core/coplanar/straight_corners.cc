@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
-#include "core/coplanar/needles.h"
 #include "core/geometry/circumball.h"
+#include "core/geometry/collinear.h"
 
 namespace dynmesh::coplanar {
 
@@ -92,7 +92,7 @@ class Dropper {
     const geometry::Vector3 way = geometry::Difference(positions_[q].c, positions_[p].c);
     const double along = geometry::Dot(way, geometry::Difference(positions_[c].c, positions_[p].c));
     return along > 0 && along < geometry::Dot(way, way) &&
-           DistanceToLine(positions_[c], positions_[p], positions_[q]) <= within_(c);
+           geometry::DistanceToLine(positions_[c], positions_[p], positions_[q]) <= within_(c);
   }
 
   // All that was between p and q, and c.
@@ -120,7 +120,7 @@ class Dropper {
     // On a line the lexicographic order is that along it.
     const auto [p, q] = *ends;
     const bool is_straight = positions_[p] < positions_[c] && positions_[c] < positions_[q] &&
-                             AreOnLine(positions_[p], positions_[c], positions_[q]);
+                             geometry::AreCollinear(positions_[p], positions_[c], positions_[q]);
     if (is_straight && !within_) return ends;
     return AreBeside(p, c, q) ? ends : std::nullopt;
   }

@@ -24,9 +24,8 @@ using geometry::Vector3;
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
 // Angles are compared by sin^2, which tells small ones apart where cosines are 1 up to rounding; 1
-// stands for 90 degrees and more. The least ones, less a millionth.
-constexpr double kLeastSine2AtCorners = 3.046174197557781e-10 * kNarrower;  // 0.001 degrees
-constexpr double kLeastSine2AtEdges = 7.615433561505986e-07 * kNarrower;    // 0.05 degrees
+// stands for 90 degrees and more. At corners the least is that of segments.
+constexpr double kLeastSine2AtEdges = 7.615433561505986e-07 * kNarrower;  // of 0.05 degrees
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide2 = 1e-12;
 
@@ -149,7 +148,7 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
     if (!Counts(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
     const double sine2 = Sine2Over(f, from_p ? s.p_id : s.q_id, d);
-    if (sine2 >= kLeastSine2AtCorners) return Conflict::kNone;
+    if (sine2 >= kLeastSine2) return Conflict::kNone;
     const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
@@ -173,7 +172,7 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
       (Counts(ValidationTerm::kFacetsDoNotMeet) && MeetBetween(f, g, common.corners))) {
     return Conflict::kPolygonsMeet;
   }
-  if (common.sine2 < kLeastSine2AtEdges || LeastSine2AtCorners(f, g, common) < kLeastSine2AtCorners)
+  if (common.sine2 < kLeastSine2AtEdges || LeastSine2AtCorners(f, g, common) < kLeastSine2)
     return Conflict::kSmallAngle;
   return Conflict::kNone;
 }

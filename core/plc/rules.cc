@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/rounding.h"
+#include "core/geometry/collinear.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
 #include "core/geometry/vectors.h"
@@ -15,6 +16,7 @@
 namespace dynmesh::plc {
 namespace {
 
+using geometry::AreCollinear;
 using geometry::Dot;
 using geometry::Minus;
 using geometry::Orientation;
@@ -22,9 +24,6 @@ using geometry::Point;
 using geometry::Point2;
 using geometry::Point3;
 using geometry::SquaredDistance;
-
-// sin^2 of the least angle between segments, 0.001 degrees, less a millionth.
-constexpr double kAngleBound = 3.046174197557781e-10 * kNarrower;
 
 // (|u||w| sin)^2.
 template <std::size_t D>
@@ -40,17 +39,6 @@ double SquaredCross(const std::array<double, D>& u, const std::array<double, D>&
 }
 
 Point2 Without(int axis, const Point3& p) { return {{p[(axis + 1) % 3], p[(axis + 2) % 3]}}; }
-
-// Exact: in 3D iff they are collinear in all projections.
-bool AreCollinear(const Point2& a, const Point2& b, const Point2& c) {
-  return Orientation(a, b, c) == 0;
-}
-bool AreCollinear(const Point3& a, const Point3& b, const Point3& c) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!AreCollinear(Without(axis, a), Without(axis, b), Without(axis, c))) return false;
-  }
-  return true;
-}
 
 // Of collinear a, b, x: is x on the closed segment ab? Exact.
 template <int D>
@@ -74,7 +62,7 @@ Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b)
     return Conflict::kNone;
   }
   const double squares = Dot(u, u) * Dot(w, w);
-  return d > 0 && SquaredCross(u, w) < kAngleBound * squares ? Conflict::kSmallAngle
+  return d > 0 && SquaredCross(u, w) < kLeastSine2 * squares ? Conflict::kSmallAngle
                                                              : Conflict::kNone;
 }
 
@@ -162,7 +150,7 @@ bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double l
 bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
   const auto u = Minus(a, apex), w = Minus(b, apex);
   // Far above all rounding errors.
-  return Dot(u, w) <= 0 || SquaredCross(u, w) > 4 * kAngleBound * (Dot(u, u) * Dot(w, w));
+  return Dot(u, w) <= 0 || SquaredCross(u, w) > 4 * kLeastSine2 * (Dot(u, u) * Dot(w, w));
 }
 
 double CloseLimit(const MeshOptions& options) { return LeastDistance(options); }

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/plc/delta.h"
 #include "dynmesh/options.h"
@@ -21,6 +22,9 @@ inline constexpr double kMinCoordinate = 0x1p-200;
 
 // The distance below which two features are too close: LeastDistance (core/base/rounding.h).
 double CloseLimit(const MeshOptions& options);
+
+// sin^2 of the least angle between segments, 0.001 degrees, less a millionth.
+inline constexpr double kLeastSine2 = 3.046174197557781e-10 * kNarrower;
 
 // The conflict of two features; of several, the least is reported.
 enum class Conflict : std::uint8_t {
