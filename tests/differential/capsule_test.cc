@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/differential/differential.h"
+#include "tests/support/nightly.h"
 
 namespace dynmesh::test::capsule_test {
 namespace {
@@ -101,7 +102,7 @@ class CapsuleScript {
 };
 
 TEST(CapsulesOfTies, AreThoseFromScratch) {
-  for (std::uint64_t seed = kSeed; seed < kSeed + 12; ++seed) {
+  for (std::uint64_t seed = kSeed; seed < kSeed + (IsNightly() ? 24 : 6); ++seed) {
     SCOPED_TRACE(seed);
     CapsuleScript<2>(seed).Run(16);
     if (HasFatalFailure()) return;
@@ -109,7 +110,7 @@ TEST(CapsulesOfTies, AreThoseFromScratch) {
 }
 
 TEST(CapsulesOfTies, AreThoseFromScratchIn3D) {
-  for (std::uint64_t seed = kSeed; seed < kSeed + 3; ++seed) {
+  for (std::uint64_t seed = kSeed; seed < kSeed + (IsNightly() ? 12 : 2); ++seed) {
     SCOPED_TRACE(seed);
     CapsuleScript<3>(seed).Run(8);
     if (HasFatalFailure()) return;

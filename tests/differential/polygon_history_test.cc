@@ -48,7 +48,7 @@ TEST_P(PolygonHistory, DynamicIsFromScratchAndGoodAfterEveryRevision) {
   const MeshOptions options = OptionsOf(kAskedInSpace[asked]);
   const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
   for (const Setting& s : IsNightly() ? std::vector<Setting>{{1, 100, 4}, {3, 100, 5}, {8, 100, 2}}
-                                      : std::vector<Setting>{{1, 18, 1}, {3, 10, 1}}) {
+                                      : std::vector<Setting>{{1, 12, 1}, {3, 6, 1}}) {
     for (int k = 0; k < s.scripts; ++k) {
       const std::uint64_t seed =
           base + 100 * static_cast<std::uint64_t>(s.solids) + static_cast<std::uint64_t>(k);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/differential/differential.h"
+#include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 
 namespace dynmesh::test::take_back_test {
@@ -162,7 +163,8 @@ TEST_P(TakeBack, BringsTheFormerTraceBack) {
   if (DimensionOf(given) == 2) {
     ExpectGroupsToBeTakenBack<2>(ScriptGenerator(given, 12, kSeed), TuningOf(rebuild), 12);
   } else {
-    ExpectGroupsToBeTakenBack<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild), 4);
+    ExpectGroupsToBeTakenBack<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild),
+                                 IsNightly() ? 8 : 3);
   }
 }
 
@@ -171,14 +173,16 @@ TEST_P(TakeBack, UndoesWhatIsNotSettled) {
   if (DimensionOf(given) == 2) {
     ExpectPrefixesToBeSettled<2>(ScriptGenerator(given, 12, kSeed), TuningOf(rebuild), 60);
   } else {
-    ExpectPrefixesToBeSettled<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild), 30);
+    ExpectPrefixesToBeSettled<3>(ScriptGenerator(given, 10, kSeed), TuningOf(rebuild),
+                                 IsNightly() ? 60 : 18);
   }
 }
 
 class TakeBackPolygons : public ::testing::TestWithParam<PolygonKind> {};
 
 TEST_P(TakeBackPolygons, BringsTheFormerTraceBack) {
-  ExpectGroupsToBeTakenBack<3>(PolygonScript(GetParam(), 2, kSeed), AlwaysPropagate(), 3);
+  ExpectGroupsToBeTakenBack<3>(PolygonScript(GetParam(), 2, kSeed), AlwaysPropagate(),
+                               IsNightly() ? 6 : 2);
 }
 
 template <std::size_t N>

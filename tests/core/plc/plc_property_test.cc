@@ -18,6 +18,7 @@
 #include "dynmesh/error.h"
 #include "tests/core/plc/naive_plc.h"
 #include "tests/core/plc/plc_test_util.h"
+#include "tests/support/nightly.h"
 
 namespace dynmesh::plc::plc_property_test {
 namespace {
@@ -363,6 +364,7 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
 
 void RunScripts(std::uint64_t first_seed, int scripts, Generator::Style style, int batches,
                 int most, bool polygons = false) {
+  scripts = test::IsNightly() ? 4 * scripts : scripts / 2;
   Tally tally;
   for (int i = 0; i < scripts; ++i) {
     RunScript(first_seed + i, style, batches, most, polygons, tally);

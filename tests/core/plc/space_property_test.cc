@@ -18,6 +18,7 @@
 #include "tests/core/plc/naive_plc.h"
 #include "tests/core/plc/naive_space.h"
 #include "tests/core/plc/plc_test_util.h"
+#include "tests/support/nightly.h"
 
 namespace dynmesh::plc::space_property_test {
 namespace {
@@ -293,7 +294,7 @@ void RunScripts(std::uint64_t first, int scripts, int batches, int most) {
 }
 
 // The oracle is slow.
-int Scripts() { return std::getenv("DYNMESH_NIGHTLY") != nullptr ? 1000 : 16; }
+int Scripts() { return test::IsNightly() ? 1000 : 8; }
 
 TEST(SpaceProperty, SmallEditsAgreeWithTheOracle) { RunScripts(1000, Scripts(), 40, 2); }
 TEST(SpaceProperty, LargerBatchesAgreeWithTheOracle) { RunScripts(200000, Scripts(), 15, 6); }
