@@ -9,7 +9,7 @@
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
-#include "client/cli/memory_budget.h"
+#include "client/cli/memory_flag.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/progress_bar.h"
@@ -151,7 +151,7 @@ int Run(MeshCommand command) {
   if (auto status = ApplySizeFlags(command.sizes, *input); !status.ok()) {
     return ReportError(status);
   }
-  absl::StatusOr<MemoryBudget> memory = MemoryBudget::Parse(command.max_memory);
+  absl::StatusOr<MemoryBudget> memory = ParseMemory(command.max_memory);
   if (!memory.ok()) return ReportError(memory.status());
   const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
   const VertexLimit limit =
@@ -163,9 +163,9 @@ int Run(MeshCommand command) {
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
   const auto make = [&] {
-    return is_remote
-               ? command.remote->Build(input->features, options, build.engine)
-               : WithinMemory(*memory, [&] { return BuildMesh(input->features, options, build); });
+    return is_remote ? command.remote->Build(input->features, options, build.engine)
+                     : WithinMemory(*memory, kMemoryAdvice,
+                                    [&] { return BuildMesh(input->features, options, build); });
   };
   absl::StatusOr<Mesh> mesh = BuildWithinVolumes(make, *input);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;

@@ -11,7 +11,7 @@
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
-#include "client/cli/memory_budget.h"
+#include "client/cli/memory_flag.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
@@ -137,7 +137,7 @@ class Replay {
     };
     options.interrupted = [this] { return memory_.IsExceeded(); };
     absl::StatusOr<MeshDiff> diff =
-        WithinMemory(memory_, [&] { return mesh_->Apply(batch, options); });
+        WithinMemory(memory_, kMemoryAdvice, [&] { return mesh_->Apply(batch, options); });
     const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
     if (!diff.ok()) return bar_.End(), AtLine(b, diff.status());
     Count(batch, *diff);
@@ -296,8 +296,9 @@ class Replay {
     trace_options.max_operations = command_.trace_limit;
     trace_options.interrupted = [this] { return memory_.IsExceeded(); };
     const EditBatch last = script_.batches.empty() ? EditBatch() : script_.batches.back().edits;
-    const absl::StatusOr<Trace> trace = WithinMemory(
-        memory_, [&] { return TraceOf(features_before_last_, last, options, trace_options); });
+    const absl::StatusOr<Trace> trace = WithinMemory(memory_, kMemoryAdvice, [&] {
+      return TraceOf(features_before_last_, last, options, trace_options);
+    });
     if (!trace.ok()) {
       const std::optional<ErrorDetail> detail = GetErrorDetail(trace.status());
       const bool is_large = detail && detail->reason == reason::kWorkLimit;
@@ -337,7 +338,7 @@ int Run(ReplayCommand command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
   if (!script.ok()) return ReportError(script.status());
-  const absl::StatusOr<MemoryBudget> memory = MemoryBudget::Parse(command.max_memory);
+  const absl::StatusOr<MemoryBudget> memory = ParseMemory(command.max_memory);
   if (!memory.ok()) return ReportError(memory.status());
   const absl::Status status = Replay(command, *script, *memory).Run();
   return status.ok() ? kExitDone : ReportError(status);

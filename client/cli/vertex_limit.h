@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/memory_budget.h"
+#include "core/base/memory_budget.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 

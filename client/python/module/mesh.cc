@@ -7,6 +7,7 @@
 #include "client/python/module/progress_call.h"
 #include "client/python/module/shared_mesh.h"
 #include "client/python/module/status.h"
+#include "core/base/memory_budget.h"
 #include "core/mesh_data/diff_meshes.h"
 
 namespace dynmesh::python {
@@ -33,8 +34,14 @@ std::unique_ptr<SharedMesh> Open(const py::dict& options) {
 std::shared_ptr<Diff> Edit(SharedMesh& mesh, const Batch& batch, const py::object& progress) {
   ApplyOptions options;
   ProgressCall call(progress);
-  options.interrupted = [cancelled = call.cancelled()] {
-    return cancelled->load(std::memory_order_relaxed);
+  // An edit that ends soon does not ask what is left.
+  std::uint32_t calls = 0;
+  std::optional<MemoryBudget> budget;
+  options.interrupted = [&, cancelled = call.cancelled()] {
+    if (cancelled->load(std::memory_order_relaxed)) return true;
+    if (++calls < MemoryBudget::kCallsBetweenLooks) return false;
+    if (!budget) budget = MemoryBudget::OfWhatIsLeft();
+    return budget->IsExceeded();
   };
   options.progress = [&](const ApplyProgress& p) { call(NameOf(p.stage), p.done, p.total); };
   absl::StatusOr<MeshDiff> diff = absl::UnknownError("");
@@ -43,6 +50,9 @@ std::shared_ptr<Diff> Edit(SharedMesh& mesh, const Batch& batch, const py::objec
     diff = mesh.Edit(batch.edits, options);
   }
   call.RaiseIf(!diff.ok());
+  if (!diff.ok() && budget && budget->was_exceeded()) {
+    diff = budget->Error("fewer features, larger sizes or max_vertices keep it smaller");
+  }
   return std::make_shared<Diff>(Diff{Value(std::move(diff)), false});
 }
 

@@ -99,6 +99,9 @@ class ABSL_SCOPED_LOCKABLE SharedMesh::Editing {
     if (mesh_.mesher_ == nullptr) {
       return absl::FailedPreconditionError("a replica of a server's mesh has no mesher here");
     }
+    if (mesh_.is_lost_) {
+      return absl::DataLossError("memory ran out in an edit of this mesh: open a new one");
+    }
     if (!is_nested_) return absl::OkStatus();
     return absl::FailedPreconditionError(
         "this was called from the progress callback of an edit of the same mesh, which is between "
@@ -152,7 +155,14 @@ absl::StatusOr<MeshDiff> SharedMesh::Edit(const EditBatch& batch, ApplyOptions o
     const MutexLock lock(replica_mutex_);
     return ApplyLocked(diff, false);
   };
-  return mesher_->Apply(batch, options);
+  try {
+    return mesher_->Apply(batch, options);
+  } catch (const std::bad_alloc&) {
+    is_lost_ = true;
+    return absl::ResourceExhaustedError(
+        "memory ran out in the middle of the edit: this mesh can be read, and takes no more edits; "
+        "open a new one");
+  }
 }
 
 absl::Status SharedMesh::Validate(const EditBatch& batch) {

@@ -67,7 +67,8 @@ class SharedMesh {
   // Of a mesh in this process. These wait for an edit of another thread. FAILED_PRECONDITION from
   // the progress callback of an edit of this mesh.
 
-  // DynamicMesh::Apply, with the replica. `options` must have no commit.
+  // DynamicMesh::Apply, with the replica. `options` must have no commit. RESOURCE_EXHAUSTED if an
+  // allocation fails; the mesher is then in no state, and all these are DATA_LOSS from then on.
   absl::StatusOr<MeshDiff> Edit(const EditBatch& batch, ApplyOptions options);
   absl::Status Validate(const EditBatch& batch);
   absl::StatusOr<std::vector<Feature>> Features();
@@ -120,6 +121,7 @@ class SharedMesh {
   Mutex edit_mutex_;
   std::atomic<std::thread::id> editor_;                               // the thread that holds it
   std::unique_ptr<DynamicMesh> mesher_ ABSL_GUARDED_BY(edit_mutex_);  // null: a replica alone
+  bool is_lost_ ABSL_GUARDED_BY(edit_mutex_) = false;                 // memory ran out
 
   mutable Mutex replica_mutex_;
   SlotMesh replica_ ABSL_GUARDED_BY(replica_mutex_);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string>
 #include <thread>
@@ -278,6 +279,31 @@ TEST(SharedMesh, AnEditThatFailsChangesNeitherMesherNorReplica) {
   EXPECT_EQ(mesh->numbers().hash, before.hash);
   ASSERT_TRUE(mesh->Edit(EditOf(0, 1), {}).ok());
   ExpectColumnsAreTheReplicas(*mesh);
+}
+
+// An allocation that fails leaves the mesher between two revisions.
+TEST(SharedMesh, AfterMemoryRanOutItCanBeReadAndTakesNoEdits) {
+  for (const int dimension : {2, 3}) {
+    const auto mesh = MakeMesh(dimension);
+    ASSERT_TRUE(mesh->Edit({dynmesh::Edit::Add(Feature::Point(1, 0.3, 0.4, 0.5))}, {}).ok());
+    const MeshNumbers before = mesh->numbers();
+    ApplyOptions options;
+    options.interrupted = [calls = 0]() mutable -> bool {
+      if (++calls > 3) throw std::bad_alloc();
+      return false;
+    };
+    EditBatch batch;
+    for (int i = 0; i < 200; ++i) {
+      batch.push_back(
+          dynmesh::Edit::Add(Feature::Point(10 + i, 0.1 + 0.004 * i, 0.2, 0.1 + 0.001 * i)));
+    }
+    EXPECT_TRUE(absl::IsResourceExhausted(mesh->Edit(batch, options).status()));
+    EXPECT_EQ(mesh->numbers().revision, before.revision);
+    EXPECT_EQ(mesh->numbers().hash, before.hash);
+    ExpectColumnsAreTheReplicas(*mesh);
+    EXPECT_TRUE(absl::IsDataLoss(mesh->Edit(batch, {}).status()));
+    EXPECT_TRUE(absl::IsDataLoss(mesh->Features().status()));
+  }
 }
 
 }  // namespace

@@ -1,4 +1,7 @@
 """Meshes as arrays: the same in process and at a server."""
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -248,3 +251,34 @@ def test_bad_options():
                 dict(quality=2), dict(criterion="best"), dict(dimension=4)):
         with pytest.raises((ValueError, dynmesh.DynmeshError)):
             dynmesh.open(**bad)
+
+
+_MEMORY = """
+import resource
+import dynmesh
+
+def leave(bytes):
+    with open("/proc/self/statm") as sizes:
+        space = int(sizes.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (space + bytes, resource.RLIM_INFINITY))
+
+def refused(target):
+    try:
+        mesh.apply(add_sizes={2: dict(low=(0, 0), high=(1, 1), target=target)})
+    except dynmesh.LimitExceeded as error:
+        assert mesh.hash == before
+        return str(error)
+    raise AssertionError("it fits")
+
+mesh = dynmesh.open([[0, 0], [1, 1]], max_vertices=50_000_000)
+mesh.apply(add_points={1: (0.5, 0.5)})
+before = mesh.hash
+leave(700_000_000)
+assert " GB of memory while it is made" in refused(0.001)
+mesh.apply(add_points={3: (0.25, 0.5)})
+mesh.apply(remove=[3])
+"""
+
+
+def test_a_batch_that_does_not_fit_into_the_memory_is_an_error():
+    subprocess.run([sys.executable, "-B", "-c", _MEMORY], check=True)
