@@ -202,7 +202,7 @@ bool Acceptor::AcceptOne(int listening) {
 void Acceptor::LetIn(const ConnectionTable::Waiting& connection) {
   SetOption(connection.socket, IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(connection.socket, IPPROTO_TCP, TCP_USER_TIMEOUT, silence_ms_);
-  table_.Enter(connection.peer, {connection.socket, CookieOf(connection.socket)});
+  table_.Enter(connection.peer, {connection.socket, CookieOf(connection.socket)}, Clock::now());
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
   parameters.listener_fd = sockets_.front();
   parameters.fd = connection.socket;

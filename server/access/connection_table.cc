@@ -12,6 +12,11 @@ using std::chrono::seconds;
 constexpr seconds kBlocked{1};
 // And then its new connections enter one at a time.
 constexpr seconds kProbation{30};
+// From an answered call on, an address is no new one.
+constexpr std::chrono::minutes kKnown{10};
+// After which a connection of a new address without an answered call delays no other one: it may
+// be one that makes no calls.
+constexpr milliseconds kUnderWay{200};
 // Between two sweeps of an address that has no room.
 constexpr milliseconds kBetweenSweeps{50};
 // Wasted calls of a second for which a connection with an answered call is cut, too: others may
@@ -66,16 +71,22 @@ void ConnectionTable::ForgetAddressesLocked(Time now) {
   absl::erase_if(addresses_, [&](auto& entry) {
     Address& address = *entry.second;
     return address.waiting.empty() && address.descriptors.empty() &&
-           now >= address.probation_until && address.fresh.IsFull(limits_.new_per_second, now) &&
+           now >= address.probation_until && now >= address.known_until &&
+           address.fresh.IsFull(limits_.new_per_second, now) &&
            address.wasted.IsFull(limits_.wasted_per_second, now);
   });
   sweep_at_ = std::max<std::size_t>(1024, 2 * addresses_.size());
 }
 
+bool ConnectionTable::IsOneUnderWayLocked(const Address& address, Time now) const {
+  return address.unanswered > 0 &&
+         (now < address.probation_until || now - address.entered < kUnderWay);
+}
+
 bool ConnectionTable::MayEnterLocked(Address& address, Time now) {
-  if (now < address.probation_until && address.unanswered > 0) {
+  if (EntersAlone(address, now) && IsOneUnderWayLocked(address, now)) {
     SweepIfDueLocked(address, now);
-    if (address.unanswered > 0) return false;
+    if (IsOneUnderWayLocked(address, now)) return false;
   }
   return address.fresh.Take(limits_.new_per_second, now);
 }
@@ -97,12 +108,13 @@ ConnectionTable::Arrival ConnectionTable::Arrive(const Waiting& connection, Time
   return Arrival::kWaits;
 }
 
-void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket) {
+void ConnectionTable::Enter(const PeerKey& peer, const Socket& socket, Time now) {
   const MutexLock lock(mutex_);
   ForgetLocked(socket.descriptor);
-  Address& address = AddressOfLocked(peer, Clock::now());
+  Address& address = AddressOfLocked(peer, now);
   address.descriptors.insert(socket.descriptor);
   ++address.unanswered;
+  address.entered = now;
   Connection connection;
   connection.peer = peer;
   connection.cookie = socket.cookie;
@@ -155,7 +167,7 @@ ConnectionTable::Ready ConnectionTable::TakeReady(Time now,
   if (counts_.waiting == 0) return ready;
   for (auto& [key, address] : addresses_) {
     const bool is_blocked = now < address->blocked_until;
-    const bool enters_alone = now < address->probation_until;
+    const bool enters_alone = EntersAlone(*address, now);
     bool has_room = true;
     std::deque<Waiting> stay;
     for (; !address->waiting.empty(); address->waiting.pop_back()) {
@@ -206,6 +218,7 @@ bool ConnectionTable::Answered(const PeerKey& peer, Time now) {
   unanswered_.fetch_sub(1, std::memory_order_relaxed);
   Address& address = AddressOfLocked(peer, now);
   --address.unanswered;
+  address.known_until = now + kKnown;
   address.fresh.GiveBack(limits_.new_per_second);
   return !address.waiting.empty();
 }

@@ -6,13 +6,14 @@
 // calls of others wait behind these. So calls that were for nothing are counted here. When an
 // address has had too many in a second, its connections that brought them are cut, with what they
 // have sent, and its new ones are refused for a second. gRPC queues calls faster than it handles
-// them, so what counts is how many connections enter before the first calls are counted. Of an
-// address that was refused, they enter one at a time for half of a minute: the next one when a call
-// of the last one was answered, or it was cut or closed.
-//
-// New connections of an address without an answered call enter at a limited rate: each costs a
-// handshake, and may bring calls before one of them has been counted. Those that are too many wait
-// here. An answered call gives the place back, so a host with hundreds of clients does not wait.
+// them, so what counts is how many connections enter before the first calls are counted:
+//   * of an address without an answered call in the last ten minutes, one at a time: the next one
+//     when a call of the last one was answered, it was cut or closed, or after a fifth of a second;
+//   * of other addresses, those without an answered call at a limited rate: each costs a handshake.
+//     An answered call gives the place back, so a host with hundreds of clients does not wait;
+//   * of an address that was refused, for half of a minute one at a time, as those of a new
+//     address, but however long that takes.
+// Those that are too many wait here.
 //
 // gRPC has the connections and closes them. The table knows each by its descriptor and the kernel's
 // number of its socket: a descriptor alone may be another one's by now. (A duplicate would keep the
@@ -90,7 +91,7 @@ class ConnectionTable {
   // address has as many as it may have, or as may wait, or has had too many wasted calls.
   Arrival Arrive(const Waiting& connection, Time now);
   // It is open. Replaces what had its descriptor before.
-  void Enter(const PeerKey& peer, const Socket& socket);
+  void Enter(const PeerKey& peer, const Socket& socket, Time now);
   // Forgets the connections that have been closed. O(connections).
   void Sweep();
   struct Ready {
@@ -137,6 +138,8 @@ class ConnectionTable {
     // One entry of a new connection costs far more than a wasted call.
     Bucket fresh{0.4}, wasted{1};
     Time blocked_until, probation_until;
+    Time known_until;  // it had an answered call
+    Time entered;      // the last connection
     Time swept;
     std::size_t unanswered = 0;  // connections without an answered call, that are not cut
     std::deque<Waiting> waiting;
@@ -154,6 +157,13 @@ class ConnectionTable {
   Address& AddressOfLocked(const PeerKey& peer, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   static constexpr std::size_t kMostWaiting = 1'000;  // of one address
 
+  // Enters no connection of the address beside one that has no answered call.
+  bool EntersAlone(const Address& address, Time now) const {
+    return now < address.probation_until ||
+           (limits_.new_per_second > 0 && now >= address.known_until);
+  }
+  bool IsOneUnderWayLocked(const Address& address, Time now) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool MayEnterLocked(Address& address, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ForgetLocked(int descriptor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SweepIfDueLocked(Address& address, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "server/base/boot_time.h"
 #include "server/base/log.h"
 #include "server/journal/journal_errors.h"
@@ -73,6 +74,9 @@ absl::Duration BetweenStatements(const PostgresOptions& options) {
   return std::max(options.lease, absl::Milliseconds(500));
 }
 
+// A database that is busy, or restarts, may lose a connection that it has made.
+constexpr absl::Duration kTriesOfAStart = absl::Seconds(1), kBetweenTries = absl::Milliseconds(300);
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& url,
@@ -89,24 +93,29 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std
     return absl::Status(status.code(), absl::StrCat(target->name, ": ", status.message()));
   };
   absl::StatusOr<std::vector<std::int64_t>> deleted;
-  {
+  for (const absl::Time end = absl::Now() + kTriesOfAStart;; absl::SleepFor(kBetweenTries)) {
     absl::StatusOr<postgres::Pool::Lease> session = journal->writers_.Take();
-    if (!session.ok()) return named(session.status());
-    if (absl::Status s = postgres::CheckUse(**session, options); !s.ok()) return named(s);
-    if (absl::Status s = postgres::PrepareSchema(**session); !s.ok()) {
-      (*session)->Spoil();
-      return named(s);
-    }
-    if (journal->is_shared()) {
-      if (absl::Status s = postgres::PrepareLeases(**session); !s.ok()) return named(s);
-    }
-    WarnOfUnsafeSettings(**session, target->name);
-    journal->Measure(**session);
-    deleted = postgres::DeletedMeshes(**session);
+    deleted = session.ok() ? journal->Prepare(**session) : session.status();
+    if (!absl::IsUnavailable(deleted.status()) || absl::Now() >= end) break;
+    if (session.ok()) (*session)->Spoil();
   }
   if (!deleted.ok()) return named(deleted.status());
   for (const Key mesh : *deleted) journal->SweepWhole(mesh);
   return journal;
+}
+
+absl::StatusOr<std::vector<std::int64_t>> PostgresJournal::Prepare(Session& session) {
+  if (absl::Status s = postgres::CheckUse(session, options_); !s.ok()) return s;
+  if (absl::Status s = postgres::PrepareSchema(session); !s.ok()) {
+    session.Spoil();
+    return s;
+  }
+  if (is_shared()) {
+    if (absl::Status s = postgres::PrepareLeases(session); !s.ok()) return s;
+  }
+  WarnOfUnsafeSettings(session, name_);
+  Measure(session);
+  return postgres::DeletedMeshes(session);
 }
 
 PostgresJournal::PostgresJournal(const postgres::Target& target, const Options& options)

@@ -155,6 +155,8 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   void SweepWhole(Key mesh, const std::atomic<bool>* cancelled = nullptr);
   // Draws a key, unless `*key` has one already.
   absl::Status DrawKey(postgres::Session& session, Key* key, bool* unknown) const;
+  // Checks rights and settings, makes or renews the tables. The meshes whose rest is to be removed.
+  absl::StatusOr<std::vector<std::int64_t>> Prepare(postgres::Session& session);
   void Measure(postgres::Session& session);
 
   const std::string name_;

@@ -36,8 +36,17 @@ class ConnectionTableTest : public ::testing::Test {
   // Its descriptor and its port are the same number.
   Arrival Arrive(const std::string& address, int port) {
     const Arrival arrival = table_->Arrive({port, Peer(address, port), now_}, now_);
-    if (arrival == Arrival::kEnters) table_->Enter(Peer(address, port), SocketOf(port));
+    if (arrival == Arrival::kEnters) table_->Enter(Peer(address, port), SocketOf(port), now_);
     return arrival;
+  }
+  // An address that had an answered call. Costs no place.
+  void Know(const std::string& address) {
+    constexpr int kPort = 60'000;
+    ASSERT_EQ(Arrive(address, kPort), Arrival::kEnters);
+    table_->Answered(Peer(address, kPort), now_);
+    Close(kPort);
+    table_->Sweep();
+    gone_.clear();
   }
   std::vector<int> EnterReady() {
     const auto ready = table_->TakeReady(now_, [this](int socket) {
@@ -48,7 +57,7 @@ class ConnectionTableTest : public ::testing::Test {
     closed_.insert(ready.close.begin(), ready.close.end());
     std::vector<int> entered;
     for (const auto& connection : ready.enter) {
-      table_->Enter(connection.peer, SocketOf(connection.socket));
+      table_->Enter(connection.peer, SocketOf(connection.socket), now_);
       entered.push_back(connection.socket);
     }
     return entered;
@@ -102,8 +111,32 @@ TEST_F(ConnectionTableTest, AnAddressHasSoManyAndAnotherOneIsNotConcerned) {
   EXPECT_FALSE(table_->HasUnanswered());
 }
 
+TEST_F(ConnectionTableTest, OfANewAddressConnectionsEnterOneAtATime) {
+  Make({.new_per_second = 20});
+  EXPECT_EQ(Arrive(kHere, 1), Arrival::kEnters);
+  for (int port = 2; port <= 4; ++port) EXPECT_EQ(Arrive(kHere, port), Arrival::kWaits);
+  EXPECT_EQ(Arrive(kThere, 9), Arrival::kEnters);  // other addresses are not concerned
+  now_ += milliseconds(190);
+  EXPECT_TRUE(EnterReady().empty());
+  now_ += milliseconds(10);  // it may be one that makes no calls
+  EXPECT_EQ(EnterReady(), std::vector<int>{4});
+  Close(1);
+  Close(4);
+  now_ += milliseconds(60);
+  EXPECT_EQ(EnterReady(), std::vector<int>{3});
+  EXPECT_TRUE(EnterReady().empty());
+  // From an answered call on several enter at once, for ten minutes.
+  EXPECT_TRUE(table_->Answered(Peer(kHere, 3), now_));
+  EXPECT_EQ(EnterReady(), std::vector<int>{2});
+  for (int port = 5; port <= 8; ++port) EXPECT_EQ(Arrive(kHere, port), Arrival::kEnters);
+  now_ += std::chrono::minutes(10);
+  EXPECT_EQ(Arrive(kHere, 10), Arrival::kEnters);
+  EXPECT_EQ(Arrive(kHere, 11), Arrival::kWaits);
+}
+
 TEST_F(ConnectionTableTest, NewConnectionsWithoutAnAnswerEnterAtARate) {
   Make({.new_per_second = 5});  // two at once
+  Know(kHere);
   EXPECT_EQ(Arrive(kHere, 1), Arrival::kEnters);
   EXPECT_EQ(Arrive(kHere, 2), Arrival::kEnters);
   EXPECT_EQ(Arrive(kHere, 3), Arrival::kWaits);
@@ -173,6 +206,7 @@ TEST_F(ConnectionTableTest, TooManyWastedCallsCutTheConnectionsThatBroughtThem) 
 
 TEST_F(ConnectionTableTest, AfterTooManyWastedCallsConnectionsEnterOneAtATime) {
   Make({100, 20, 2});
+  Know(kThere);
   ASSERT_EQ(Arrive(kHere, 1), Arrival::kEnters);
   for (int i = 0; i < 3; ++i) table_->Wasted(Peer(kHere, 1), now_);
   ASSERT_EQ(cut_, std::set{1});
@@ -233,8 +267,8 @@ TEST_F(ConnectionTableTest, WastedCallsWithinTheRateCutNothing) {
 TEST_F(ConnectionTableTest, APortAndADescriptorThatAreUsedAgainNameTheLastConnection) {
   Make({.wasted_per_second = 1});
   EXPECT_EQ(Arrive(kHere, 1), Arrival::kEnters);
-  table_->Enter(Peer(kHere, 1), {77, 1077});
-  table_->Enter(Peer(kThere, 5), {1, 1001});
+  table_->Enter(Peer(kHere, 1), {77, 1077}, now_);
+  table_->Enter(Peer(kThere, 5), {1, 1001}, now_);
   EXPECT_FALSE(table_->Wasted(Peer(kHere, 1), now_));
   EXPECT_TRUE(table_->Wasted(Peer(kHere, 1), now_));
   EXPECT_EQ(cut_, std::set<int>{77});

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/journal/postgres_target.h"
 #include "tests/server/journal/postgres_fixture.h"
+#include "tests/server/journal/postgres_proxy.h"
 #include "tests/support/deadline.h"
 
 namespace dynmesh::server {
@@ -52,6 +53,26 @@ TEST_F(PostgresStartTest, TheFirstServersWithLeasesMakeTheirTablesInTurn) {
   options.lease = absl::Hours(1);
   OpenAllBehind(28'273'260'616'281'960, options);
   EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.nodes"), "0");
+}
+
+// A database that is busy or restarts may end a connection that it has made.
+TEST_F(PostgresStartTest, ALostConnectionIsTriedAgain) {
+  PostgresOptions options;
+  options.lease = absl::Hours(1);
+  Open(options).reset();
+  PostgresProxy proxy(server_.SocketFile());
+  const std::string url = server_.Url(database_, proxy.folder());
+  int lost = 0;
+  for (int answers = 0; answers < 12; ++answers) {
+    SCOPED_TRACE(answers);
+    const int before = proxy.cuts();
+    proxy.CutNext(PostgresProxy::Cut::kAnswer, nullptr, answers);
+    const auto opened = PostgresJournal::Open(url, options);
+    EXPECT_TRUE(opened.ok()) << opened.status();
+    lost += proxy.cuts() - before;
+    proxy.CutNext(PostgresProxy::Cut::kNone);
+  }
+  EXPECT_GT(lost, 6);
 }
 
 // As a version before the index has left it.
