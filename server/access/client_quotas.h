@@ -29,7 +29,7 @@ class ClientQuotas {
   explicit ClientQuotas(std::uint64_t limit) : limit_(limit) {}
 
   // An empty lease if that would pass the client's limit, or `most`.
-  Lease Take(absl::string_view client, std::uint64_t amount = 1, std::uint64_t most = kAny) {
+  Share Take(absl::string_view client, std::uint64_t amount = 1, std::uint64_t most = kAny) {
     const MutexLock lock(mutex_);
     if (quotas_.size() >= sweep_at_) {
       absl::erase_if(quotas_, [](const auto& entry) { return entry.second.used() == 0; });

@@ -1,4 +1,4 @@
-// Counted limits with RAII leases. Thread-safe.
+// Counted limits, of which callers have shares while they live. Thread-safe.
 #ifndef DYNMESH_SERVER_ACCESS_QUOTA_H_
 #define DYNMESH_SERVER_ACCESS_QUOTA_H_
 
@@ -14,18 +14,18 @@ namespace dynmesh::server {
 class Quota;
 
 // A share of a quota, returned on destruction. Empty: refused.
-class Lease {
+class Share {
  public:
-  Lease() = default;
-  Lease(Lease&& other) noexcept
+  Share() = default;
+  Share(Share&& other) noexcept
       : used_(std::move(other.used_)), amount_(std::exchange(other.amount_, 0)) {}
-  Lease& operator=(Lease&& other) noexcept {
+  Share& operator=(Share&& other) noexcept {
     Release();
     used_ = std::move(other.used_);
     amount_ = std::exchange(other.amount_, 0);
     return *this;
   }
-  ~Lease() { Release(); }
+  ~Share() { Release(); }
 
   explicit operator bool() const { return used_ != nullptr; }
   void Release() {
@@ -35,7 +35,7 @@ class Lease {
 
  private:
   friend class Quota;
-  Lease(std::shared_ptr<std::atomic<std::uint64_t>> used, std::uint64_t amount)
+  Share(std::shared_ptr<std::atomic<std::uint64_t>> used, std::uint64_t amount)
       : used_(std::move(used)), amount_(amount) {}
   // Shared, because a call may outlive the server that admitted it.
   std::shared_ptr<std::atomic<std::uint64_t>> used_;
@@ -48,14 +48,14 @@ class Quota {
       : limit_(limit), used_(std::make_shared<std::atomic<std::uint64_t>>(0)) {}
 
   // An empty lease if that would pass the limit, or `most`.
-  Lease Take(std::uint64_t amount = 1,
+  Share Take(std::uint64_t amount = 1,
              std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
     most = std::min(most, limit_);
     std::uint64_t used = used_->load(std::memory_order_relaxed);
     do {
-      if (amount > most || used > most - amount) return Lease();
+      if (amount > most || used > most - amount) return Share();
     } while (!used_->compare_exchange_weak(used, used + amount, std::memory_order_relaxed));
-    return Lease(used_, amount);
+    return Share(used_, amount);
   }
 
   std::uint64_t used() const { return used_->load(std::memory_order_relaxed); }

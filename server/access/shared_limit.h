@@ -19,8 +19,8 @@ class SharedLimit {
  public:
   // What a client has of the limit, given back on destruction. Empty: refused.
   struct Place {
-    Lease of_all;
-    Lease of_client;
+    Share of_all;
+    Share of_client;
 
     explicit operator bool() const { return static_cast<bool>(of_all); }
   };

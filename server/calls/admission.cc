@@ -131,7 +131,7 @@ absl::StatusOr<SharedLimit::Place> TakeEdits(ServiceContext& context, const Pass
       error);
 }
 
-absl::Status HeldEdits::Take(ServiceContext& context, const Pass& pass, std::size_t count) {
+absl::Status EditShares::Take(ServiceContext& context, const Pass& pass, std::size_t count) {
   if (count == 0) return absl::OkStatus();  // no limit on such parts
   absl::StatusOr<SharedLimit::Place> place = TakeEdits(context, pass, weight_, count);
   if (!place.ok()) return place.status();

@@ -98,7 +98,7 @@ absl::StatusOr<SharedLimit::Place> TakePlace(ServiceContext& context, SharedLimi
 // A stream's place among those of its kind, and among its client's streams.
 struct StreamPlace {
   SharedLimit::Place of_kind;
-  Lease of_client;
+  Share of_client;
 };
 // As above; CLIENT_STREAM_LIMIT also if the client is at its limit of streams of all kinds.
 absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, SharedLimit& limit,
@@ -110,7 +110,7 @@ absl::StatusOr<SharedLimit::Place> TakeEdits(ServiceContext& context, const Pass
                                              std::size_t before, std::size_t count);
 
 // The same, part by part: the reservation of a batch while it is received and waits.
-class HeldEdits {
+class EditShares {
  public:
   absl::Status Take(ServiceContext& context, const Pass& pass, std::size_t count);
   void Release() { places_.clear(); }

@@ -38,7 +38,7 @@ class BuildRequest {
   BuildJob job_;
   EditBatch edits_;
   std::size_t weight_ = 0;
-  HeldEdits held_;
+  EditShares held_;
   LoadParts parts_;
 };
 

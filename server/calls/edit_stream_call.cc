@@ -227,7 +227,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     }
     EditJob job = std::move(partial_->job);
     // Shared, because a std::function is copyable and leases are not.
-    auto held = std::make_shared<HeldEdits>(std::move(partial_->held));
+    auto held = std::make_shared<EditShares>(std::move(partial_->held));
     job.done = [call = self_, held, omit = partial_->omit_columns, ticket = std::move(ticket_),
                 request_id = job.request_id](absl::StatusOr<EditOutcome> outcome) {
       held->Release();

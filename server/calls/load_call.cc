@@ -150,7 +150,7 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
-  HeldEdits held_;
+  EditShares held_;
   LoadParts parts_;
   EditJob job_;
 

@@ -42,7 +42,7 @@ struct PartialBatch {
 
   EditJob job;
   bool omit_columns = false;
-  HeldEdits held;
+  EditShares held;
 };
 
 absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);

@@ -94,7 +94,7 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std
   };
   absl::StatusOr<std::vector<std::int64_t>> deleted;
   for (const absl::Time end = absl::Now() + kTriesOfAStart;; absl::SleepFor(kBetweenTries)) {
-    absl::StatusOr<postgres::Pool::Lease> session = journal->writers_.Take();
+    absl::StatusOr<postgres::Pool::Loan> session = journal->writers_.Take();
     deleted = session.ok() ? journal->Prepare(**session) : session.status();
     if (!absl::IsUnavailable(deleted.status()) || absl::Now() >= end) break;
     if (session.ok()) (*session)->Spoil();
@@ -174,7 +174,7 @@ absl::Status PostgresJournal::Repeatedly(const Step& step, bool* is_unknown) {
     {
       const std::chrono::nanoseconds patience =
           is_shared() ? std::max(end - BootTime(), Patience()) : Patience();
-      absl::StatusOr<postgres::Pool::Lease> session =
+      absl::StatusOr<postgres::Pool::Loan> session =
           attempt == 0 ? writers_.Take(patience) : writers_.TakeFresh(patience);
       // At the end of a drain nothing is begun any more, and an unknown outcome stays so.
       const absl::Status ended = under_way_.ended();
@@ -205,7 +205,7 @@ absl::Status PostgresJournal::Change(const Step& step) {
 // ------------------------------------------------------------------ meshes
 
 absl::StatusOr<std::vector<Journal::Mesh>> PostgresJournal::List() {
-  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take();
+  absl::StatusOr<postgres::Pool::Loan> session = readers_.Take();
   if (!session.ok()) return session.status();
   return postgres::ListMeshes(**session);
 }
@@ -298,20 +298,20 @@ absl::Status PostgresJournal::Delete(Key mesh) {
 // ------------------------------------------------------------------ reading
 
 absl::Status PostgresJournal::Read(Key mesh, const Visitor& visitor) {
-  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take(Patience());
+  absl::StatusOr<postgres::Pool::Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::ReadMesh(**session, mesh, options_.reading_idle, visitor);
 }
 
 absl::Status PostgresJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                                        const Visitor& visitor) {
-  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take(Patience());
+  absl::StatusOr<postgres::Pool::Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::ReadPastOf(**session, mesh, options_.reading_idle, from, to, visitor);
 }
 
 absl::StatusOr<std::uint64_t> PostgresJournal::Oldest(Key mesh) {
-  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take(Patience());
+  absl::StatusOr<postgres::Pool::Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::OldestOf(**session, mesh);
 }

@@ -23,21 +23,21 @@ void Pool::WaitForRoom() {
   ++in_use_;
 }
 
-absl::StatusOr<Pool::Lease> Pool::Take(std::chrono::nanoseconds patience) {
+absl::StatusOr<Pool::Loan> Pool::Take(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> stale;  // closed without the lock
   MutexLock lock(mutex_);
   WaitForRoom();
   while (!idle_.empty()) {
     std::unique_ptr<Session> session = std::move(idle_.back());
     idle_.pop_back();
-    if (!session->IsStale()) return Lease(this, std::move(session));
+    if (!session->IsStale()) return Loan(this, std::move(session));
     stale.push_back(std::move(session));
   }
   lock.Unlock();
   return Connect(patience);
 }
 
-absl::StatusOr<Pool::Lease> Pool::TakeFresh(std::chrono::nanoseconds patience) {
+absl::StatusOr<Pool::Loan> Pool::TakeFresh(std::chrono::nanoseconds patience) {
   std::vector<std::unique_ptr<Session>> closed;
   {
     const MutexLock lock(mutex_);
@@ -48,16 +48,16 @@ absl::StatusOr<Pool::Lease> Pool::TakeFresh(std::chrono::nanoseconds patience) {
   return Connect(patience);
 }
 
-absl::StatusOr<Pool::Lease> Pool::Connect(std::chrono::nanoseconds patience) {
+absl::StatusOr<Pool::Loan> Pool::Connect(std::chrono::nanoseconds patience) {
   if (patience != kUntilItEnds) return ConnectWithin(patience);
   absl::StatusOr<std::unique_ptr<Session>> session =
       Session::Connect(conninfo_, between_statements_);
-  if (session.ok()) return Lease(this, *std::move(session));
+  if (session.ok()) return Loan(this, *std::move(session));
   Return(nullptr);
   return session.status();
 }
 
-absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patience) {
+absl::StatusOr<Pool::Loan> Pool::ConnectWithin(std::chrono::nanoseconds patience) {
   const auto attempt = std::make_shared<Attempt>();
   {
     const MutexLock lock(mutex_);
@@ -80,7 +80,7 @@ absl::StatusOr<Pool::Lease> Pool::ConnectWithin(std::chrono::nanoseconds patienc
         attempt->mutex, patience,
         [&attempt]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(attempt->mutex) { return attempt->is_over; });
     if (!attempt->is_left && attempt->session.ok()) {
-      return Lease(this, *std::move(attempt->session));
+      return Loan(this, *std::move(attempt->session));
     }
     none = attempt->is_left
                ? absl::UnavailableError("no connection to the database: it was not made in time")

@@ -20,14 +20,14 @@ namespace dynmesh::server::postgres {
 class Pool {
  public:
   // A connection; destroying it gives the connection back.
-  class Lease {
+  class Loan {
    public:
-    Lease(Pool* pool, std::unique_ptr<Session> session)
+    Loan(Pool* pool, std::unique_ptr<Session> session)
         : pool_(pool), session_(std::move(session)) {}
-    Lease(Lease&& other) noexcept
+    Loan(Loan&& other) noexcept
         : pool_(std::exchange(other.pool_, nullptr)), session_(std::move(other.session_)) {}
-    Lease& operator=(Lease&&) = delete;
-    ~Lease() {
+    Loan& operator=(Loan&&) = delete;
+    ~Loan() {
       if (pool_ != nullptr) pool_->Return(std::move(session_));
     }
     Session* operator->() const { return session_.get(); }
@@ -48,15 +48,15 @@ class Pool {
   // and if a new one was not made within `patience`: it is kept for others if it is made later, and
   // does not count as in use meanwhile. With that limit a thread makes it, as the library tries one
   // host after the other.
-  absl::StatusOr<Lease> Take(std::chrono::nanoseconds patience = kUntilItEnds);
+  absl::StatusOr<Loan> Take(std::chrono::nanoseconds patience = kUntilItEnds);
   // The same, but a new one; and the idle ones, which may be broken as well, are closed.
-  absl::StatusOr<Lease> TakeFresh(std::chrono::nanoseconds patience = kUntilItEnds);
+  absl::StatusOr<Loan> TakeFresh(std::chrono::nanoseconds patience = kUntilItEnds);
 
  private:
   struct Attempt;
 
-  absl::StatusOr<Lease> Connect(std::chrono::nanoseconds patience);
-  absl::StatusOr<Lease> ConnectWithin(std::chrono::nanoseconds patience);
+  absl::StatusOr<Loan> Connect(std::chrono::nanoseconds patience);
+  absl::StatusOr<Loan> ConnectWithin(std::chrono::nanoseconds patience);
   void RunAttempt(Attempt& attempt);
   void WaitForRoom() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Return(std::unique_ptr<Session> session);

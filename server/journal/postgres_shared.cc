@@ -9,7 +9,7 @@
 
 namespace dynmesh::server {
 
-using SessionLease = postgres::Pool::Lease;
+using Loan = postgres::Pool::Loan;
 
 namespace {
 
@@ -18,7 +18,7 @@ constexpr std::int64_t kTailBytes = 4 << 20;
 }  // namespace
 
 absl::StatusOr<std::vector<Journal::Key>> PostgresJournal::Renew(const std::string& address) {
-  absl::StatusOr<SessionLease> session = keeper_.Take();
+  absl::StatusOr<Loan> session = keeper_.Take();
   if (!session.ok()) return session.status();
   const std::chrono::nanoseconds sent = BootTime();
   absl::StatusOr<std::vector<Key>> renewed =
@@ -28,13 +28,13 @@ absl::StatusOr<std::vector<Journal::Key>> PostgresJournal::Renew(const std::stri
 }
 
 absl::Status PostgresJournal::GiveUp() {
-  absl::StatusOr<SessionLease> session = keeper_.Take();
+  absl::StatusOr<Loan> session = keeper_.Take();
   if (!session.ok()) return session.status();
   return postgres::GiveUpLeases(**session, owner_);
 }
 
 absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
-  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
+  absl::StatusOr<Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   absl::StatusOr<std::vector<postgres::Node>> nodes =
       postgres::LiveNodes(**session, options_.lease);
@@ -45,14 +45,14 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
 }
 
 absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& id) {
-  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
+  absl::StatusOr<Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::LocateMesh(**session, id, owner_, options_.lease);
 }
 
 absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
     const std::string& after, std::size_t limit) {
-  absl::StatusOr<SessionLease> session = readers_.Take(Patience());
+  absl::StatusOr<Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::LocateMeshes(**session, after, limit, owner_);
 }
@@ -64,25 +64,25 @@ std::int64_t PostgresJournal::EpochOf(Key mesh) {
 
 absl::StatusOr<std::vector<SharedJournal::Tail>> PostgresJournal::ReadTails(
     const std::vector<Position>& positions) {
-  absl::StatusOr<SessionLease> session = follower_.Take();
+  absl::StatusOr<Loan> session = follower_.Take();
   if (!session.ok()) return session.status();
   return postgres::ReadTails(**session, positions, owner_, kTailBytes);
 }
 
 absl::Status PostgresJournal::AskToFollow(const std::vector<Wish>& wishes) {
-  absl::StatusOr<SessionLease> session = follower_.Take();
+  absl::StatusOr<Loan> session = follower_.Take();
   if (!session.ok()) return session.status();
   return postgres::AskToFollow(**session, wishes, options_.lease);
 }
 
 absl::StatusOr<std::vector<std::string>> PostgresJournal::AskedToFollow() {
-  absl::StatusOr<SessionLease> session = follower_.Take();
+  absl::StatusOr<Loan> session = follower_.Take();
   if (!session.ok()) return session.status();
   return postgres::AskedToFollow(**session, owner_);
 }
 
 absl::Status PostgresJournal::SetFollows(Key mesh, bool follows) {
-  absl::StatusOr<SessionLease> session = follower_.Take();
+  absl::StatusOr<Loan> session = follower_.Take();
   if (!session.ok()) return session.status();
   return postgres::SetFollows(**session, mesh, owner_, follows);
 }
@@ -92,7 +92,7 @@ absl::StatusOr<std::int64_t> PostgresJournal::HandOver(Key mesh, const std::stri
   if (owned == nullptr) return NotClaimed(mesh);
   const MutexLock lock(owned->mutex);
   if (!owned->gone.ok()) return owned->gone;
-  absl::StatusOr<SessionLease> session = writers_.Take();
+  absl::StatusOr<Loan> session = writers_.Take();
   if (!session.ok()) return session.status();
   const absl::StatusOr<std::int64_t> epoch =
       postgres::HandOver(**session, mesh, {owner_, owned->is.epoch}, address, options_.lease);

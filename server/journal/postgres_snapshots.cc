@@ -8,7 +8,7 @@
 
 namespace dynmesh::server {
 
-using Lease = postgres::Pool::Lease;
+using Loan = postgres::Pool::Loan;
 
 absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
                                       const std::vector<std::string>& parts,
@@ -19,7 +19,7 @@ absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
   // Without a database, other meshes' snapshots are not to wait. The next snapshot sweeps.
   if (cancelled || (is_shared() && absl::IsUnavailable(status))) return status;
   SweepWhole(mesh, &cancelled);
-  if (absl::StatusOr<Lease> session = readers_.Take(Patience()); session.ok()) Measure(**session);
+  if (absl::StatusOr<Loan> session = readers_.Take(Patience()); session.ok()) Measure(**session);
   return status;
 }
 
@@ -35,7 +35,7 @@ absl::Status PostgresJournal::SnapshotStep(
       if (static_cast<std::int64_t>(revision) > owned.is.head) return NoSnapshotAt(revision);
       epoch = owned.is.epoch;
     }
-    absl::StatusOr<Lease> session = writers_.Take(Patience());
+    absl::StatusOr<Loan> session = writers_.Take(Patience());
     if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
     absl::Status status = Counted(session.ok() ? work(**session, epoch) : session.status());
     if (!absl::IsAborted(status)) return status;
@@ -82,7 +82,7 @@ bool PostgresJournal::Sweep(Key mesh) {
     const MutexLock lock(owned->mutex);
     if (owned->gone.ok()) epoch = owned->is.epoch;
   }
-  absl::StatusOr<Lease> session = writers_.Take(Patience());
+  absl::StatusOr<Loan> session = writers_.Take(Patience());
   const absl::StatusOr<bool> more =
       session.ok() ? postgres::SweepPart(**session, mesh, epoch, options_.transaction_bytes)
                    : absl::StatusOr<bool>(session.status());

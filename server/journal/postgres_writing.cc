@@ -16,7 +16,7 @@ namespace {
 using postgres::Answer;
 using postgres::Belief;
 using postgres::GroupAppend;
-using Lease = postgres::Pool::Lease;
+using Loan = postgres::Pool::Loan;
 using std::chrono::nanoseconds;
 
 // A group is appended so often at most: it may be what breaks the connection.
@@ -44,7 +44,7 @@ absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries
 }
 
 absl::Status PostgresJournal::NotClaimed(Key mesh) {
-  absl::StatusOr<Lease> session = writers_.Take(Patience());
+  absl::StatusOr<Loan> session = writers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::WhyRefused(**session, mesh, owner_, {});
 }
@@ -71,7 +71,7 @@ absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupApp
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     {
       // Threads are few, and other meshes wait for one: after the lease only for a short time.
-      absl::StatusOr<Lease> session = writers_.Take(std::min(Patience(), Patience(owned)));
+      absl::StatusOr<Loan> session = writers_.Take(std::min(Patience(), Patience(owned)));
       if (!session.ok()) return session.status();
       // What was sent earlier is known to be not there.
       if (absl::Status ended = under_way_.ended(); !ended.ok()) return ended;
@@ -101,7 +101,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
   absl::Status last;
   nanoseconds pause = std::chrono::milliseconds(20);
   while (true) {
-    absl::StatusOr<Lease> session = writers_.TakeFresh(Patience(owned));
+    absl::StatusOr<Loan> session = writers_.TakeFresh(Patience(owned));
     last = session.status();
     if (session.ok()) {
       const postgres::Claimed claimed = postgres::ClaimAgain(**session, mesh, owner_);

@@ -35,7 +35,7 @@ struct EditJob {
   std::string call_id;  // of its call, for the log
   // As in Pass::client(): has half of the places where batches wait at most. Empty: may have all.
   std::string client;
-  std::shared_ptr<Lease> waiting;         // the client's place, while the job waits; may be null
+  std::shared_ptr<Share> waiting;         // the client's place, while the job waits; may be null
   EditSource source = EditSource::kEdit;  // for metrics
   std::optional<std::uint64_t> expected_revision;
   bool validate_only = false;

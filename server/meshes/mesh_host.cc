@@ -137,9 +137,9 @@ absl::Status MeshHost::Apply(EditJob job) {
   const auto self = shared_from_this();  // the job may finish and release the last other reference
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
-  absl::StatusOr<Lease> place = TakeWaiting(shared->client);
+  absl::StatusOr<Share> place = TakeWaiting(shared->client);
   if (!place.ok()) return place.status();
-  if (*place) shared->waiting = std::make_shared<Lease>(*std::move(place));
+  if (*place) shared->waiting = std::make_shared<Share>(*std::move(place));
   if (!queue_->TryPost(TaskOf(shared), max_waiting_, OwnerOf(shared))) {
     return QueueFull(max_waiting_);
   }
@@ -155,9 +155,9 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   WithdrawIfCancelled(cancelled);
 }
 
-absl::StatusOr<Lease> MeshHost::TakeWaiting(absl::string_view client) {
-  if (client.empty()) return Lease();
-  Lease place = waiting_.Take(client);
+absl::StatusOr<Share> MeshHost::TakeWaiting(absl::string_view client) {
+  if (client.empty()) return Share();
+  Share place = waiting_.Take(client);
   if (!place) return ShareFull(client, waiting_.limit(), max_waiting_);
   return place;
 }
@@ -191,9 +191,9 @@ absl::Status MeshHost::Locate(std::vector<double> points,
                               absl::string_view client) {
   struct Waiting {
     std::vector<double> points;
-    Lease place;
+    Share place;
   };
-  absl::StatusOr<Lease> place = TakeWaiting(client);
+  absl::StatusOr<Share> place = TakeWaiting(client);
   if (!place.ok()) return place.status();
   auto shared = std::make_shared<Waiting>(Waiting{std::move(points), *std::move(place)});
   const auto task = [self = shared_from_this(), shared, done] {

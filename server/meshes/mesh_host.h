@@ -189,7 +189,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   WorkerPool::Task TaskOf(const std::shared_ptr<EditJob>& job);
   TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
   // A place among those that wait; empty for an empty `client`. Else QUEUE_FULL.
-  absl::StatusOr<Lease> TakeWaiting(absl::string_view client);
+  absl::StatusOr<Share> TakeWaiting(absl::string_view client);
   void WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled);
   // Tasks of the strand, and what they call.
   void Run(const std::shared_ptr<EditJob>& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_);

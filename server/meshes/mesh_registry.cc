@@ -184,7 +184,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_, host_options,
                                   std::move(past));
   const MutexLock lock(mutex_);
-  hosts_.emplace(final_id, Held{host, {}, *key, request_id});
+  hosts_.emplace(final_id, Kept{host, {}, *key, request_id});
   if (!request_id.empty()) made_.emplace(request_id, final_id);
   Log(LogLevel::kInfo, "mesh_created",
       {{"mesh", final_id},
@@ -265,7 +265,7 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
     Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
     progress.Damage();
     const MutexLock lock(mutex_);
-    hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
+    hosts_.emplace(mesh.id, Kept{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
     return;
   }
   if (!mesh.loss.ok()) progress.Damage();
@@ -291,7 +291,7 @@ MeshRegistry::HostPtr MeshRegistry::Put(const Journal::Mesh& mesh, RecoveredMesh
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
   const MutexLock lock(mutex_);
   if (!made.request_id.empty()) made_.emplace(made.request_id, mesh.id);
-  hosts_.insert_or_assign(mesh.id, Held{host, damage, mesh.key, made.request_id});
+  hosts_.insert_or_assign(mesh.id, Kept{host, damage, mesh.key, made.request_id});
   return host;
 }
 
@@ -309,32 +309,32 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
 absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) {
   const absl::StatusOr<std::string> id = ParseMeshName(name);
   if (!id.ok()) return id.status();
-  Held held;
+  Kept kept;
   bool is_here = false;
   const MutexLock changing(changing_mutex_);
   {
     const MutexLock lock(mutex_);
     const auto it = hosts_.find(*id);
     is_here = it != hosts_.end();
-    if (is_here) held = it->second;
+    if (is_here) kept = it->second;
   }
-  if (!is_here || (shared_ != nullptr && held.host != nullptr && held.host->disowned())) {
+  if (!is_here || (shared_ != nullptr && kept.host != nullptr && kept.host->disowned())) {
     // It may be another server's.
     const absl::StatusOr<Journal::Key> key = KeyElsewhere(*id);
     if (!key.ok()) return key.status();
-    held.key = *key;
+    kept.key = *key;
   }
   // From here on the journal refuses the mesh's edits.
   if (journal_ != nullptr) {
-    if (absl::Status s = journal_->Delete(held.key); !s.ok()) return JournalError(s, *id);
+    if (absl::Status s = journal_->Delete(kept.key); !s.ok()) return JournalError(s, *id);
   }
   {
     const MutexLock lock(mutex_);
     hosts_.erase(*id);
     std::erase_if(made_, [&](const auto& made) { return made.second == *id; });
   }
-  if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
-  if (journal_ != nullptr) SweepOn(writers_, journal_, held.key, sweeps_ended_);
+  if (kept.host != nullptr) kept.host->Close(MeshDeletedError(*id));
+  if (journal_ != nullptr) SweepOn(writers_, journal_, kept.key, sweeps_ended_);
   Log(LogLevel::kInfo, "mesh_deleted",
       {{"mesh", *id}, {"client", origin.client}, {"call", origin.call}});
   return absl::OkStatus();
@@ -355,8 +355,8 @@ std::vector<MeshRegistry::Listed> MeshRegistry::List(
 std::vector<MeshRegistry::HostPtr> MeshRegistry::Hosts() const {
   const MutexLock lock(mutex_);
   std::vector<HostPtr> hosts;
-  for (const auto& [id, held] : hosts_) {
-    if (held.host != nullptr) hosts.push_back(held.host);
+  for (const auto& [id, kept] : hosts_) {
+    if (kept.host != nullptr) hosts.push_back(kept.host);
   }
   return hosts;
 }
@@ -369,7 +369,7 @@ std::size_t MeshRegistry::size() const {
 std::size_t MeshRegistry::damaged() const {
   const MutexLock lock(mutex_);
   return static_cast<std::size_t>(std::count_if(
-      hosts_.begin(), hosts_.end(), [](const auto& held) { return !held.second.damage.ok(); }));
+      hosts_.begin(), hosts_.end(), [](const auto& kept) { return !kept.second.damage.ok(); }));
 }
 
 std::size_t MeshRegistry::watchers() const {

@@ -153,7 +153,7 @@ class MeshRegistry {
   std::int64_t EpochOf(const std::string& id) const;
 
  private:
-  struct Held {
+  struct Kept {
     HostPtr host;         // null: not readable
     absl::Status damage;  // the reason; with a host: why it is read only
     Journal::Key key = 0;
@@ -201,7 +201,7 @@ class MeshRegistry {
   // Held while a mesh is made or deleted, which includes disk writes.
   Mutex changing_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   mutable Mutex mutex_;
-  std::map<std::string, Held, std::less<>> hosts_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Kept, std::less<>> hosts_ ABSL_GUARDED_BY(mutex_);
   // The mesh made with a request_id, for Create without an id. Create with an id looks at that mesh
   // only: the caller may lack the rights to know of others.
   std::map<std::string, std::string> made_ ABSL_GUARDED_BY(mutex_);

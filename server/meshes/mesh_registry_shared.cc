@@ -53,9 +53,9 @@ void MeshRegistry::StartFollowers() {
   calls.owned = [this] {
     std::vector<Followers::Owned> owned;
     const MutexLock lock(mutex_);
-    for (const auto& [id, held] : hosts_) {
-      if (held.host == nullptr || held.host->disowned()) continue;
-      owned.push_back({held.key, id, held.host->head().revision});
+    for (const auto& [id, kept] : hosts_) {
+      if (kept.host == nullptr || kept.host->disowned()) continue;
+      owned.push_back({kept.key, id, kept.host->head().revision});
     }
     return owned;
   };
@@ -95,17 +95,17 @@ absl::Status MeshRegistry::OpenChosen() {
 
 absl::Status MeshRegistry::Renew() {
   // What was here before the renewal was sent is either among those renewed, or lost.
-  std::vector<std::pair<std::string, Held>> before;
+  std::vector<std::pair<std::string, Kept>> before;
   {
     const MutexLock lock(mutex_);
     before.assign(hosts_.begin(), hosts_.end());
   }
   const absl::StatusOr<std::vector<Journal::Key>> renewed = shared_->Renew(address_);
   if (!renewed.ok()) return renewed.status();
-  for (const auto& [id, held] : before) {
-    const bool is_mine = std::binary_search(renewed->begin(), renewed->end(), held.key);
-    const bool is_done = held.host != nullptr && held.host->disowned();
-    if (!is_mine || is_done) Drop(id, held.host, Lost());
+  for (const auto& [id, kept] : before) {
+    const bool is_mine = std::binary_search(renewed->begin(), renewed->end(), kept.key);
+    const bool is_done = kept.host != nullptr && kept.host->disowned();
+    if (!is_mine || is_done) Drop(id, kept.host, Lost());
   }
   return absl::OkStatus();
 }
@@ -169,8 +169,8 @@ void MeshRegistry::HandOver(absl::Duration limit) {
   std::vector<OwnedHost> meshes;
   {
     const MutexLock lock(mutex_);
-    for (const auto& [id, held] : hosts_) {
-      if (held.host != nullptr && !held.host->disowned()) meshes.push_back({held.host, held.key});
+    for (const auto& [id, kept] : hosts_) {
+      if (kept.host != nullptr && !kept.host->disowned()) meshes.push_back({kept.host, kept.key});
     }
   }
   HandMeshesOver(shared_, address_, meshes, limit);
@@ -287,7 +287,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::LoadShared(const Journal::Me
   Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", why.message()}});
   const absl::Status damage = DamageOf(mesh.id, why);
   const MutexLock lock(mutex_);
-  hosts_.insert_or_assign(mesh.id, Held{nullptr, damage, mesh.key, {}});
+  hosts_.insert_or_assign(mesh.id, Kept{nullptr, damage, mesh.key, {}});
   return damage;
 }
 
@@ -301,7 +301,7 @@ void MeshRegistry::PutFollowed(const Journal::Mesh& mesh, const HostPtr& host, a
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
   const MutexLock lock(mutex_);
   if (!request_id.empty()) made_.emplace(request_id, mesh.id);
-  hosts_.insert_or_assign(mesh.id, Held{host, absl::OkStatus(), mesh.key, request_id});
+  hosts_.insert_or_assign(mesh.id, Kept{host, absl::OkStatus(), mesh.key, request_id});
 }
 
 absl::Status MeshRegistry::CheckRead(absl::string_view id) const {

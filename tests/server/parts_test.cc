@@ -204,9 +204,9 @@ TEST(SerialQueue, RestsWhenATaskIsDeferredAndItCanBeWithdrawn) {
 
 TEST(ClientQuotas, EachClientHasItsOwn) {
   ClientQuotas quotas(2);
-  const Lease a = quotas.Take("a");
+  const Share a = quotas.Take("a");
   {
-    const Lease again = quotas.Take("a");
+    const Share again = quotas.Take("a");
     EXPECT_TRUE(a && again);
     EXPECT_FALSE(quotas.Take("a"));
     EXPECT_TRUE(quotas.Take("b"));
@@ -215,13 +215,13 @@ TEST(ClientQuotas, EachClientHasItsOwn) {
   EXPECT_EQ(quotas.most(), 1u);
   EXPECT_TRUE(quotas.Take("a"));
   ClientQuotas any(0);
-  std::vector<Lease> leases(5000);
-  for (Lease& lease : leases) EXPECT_TRUE(lease = any.Take("a"));
+  std::vector<Share> shares(5000);
+  for (Share& share : shares) EXPECT_TRUE(share = any.Take("a"));
 }
 
 TEST(ClientQuotas, ForgetsClientsThatHoldNothing) {
   ClientQuotas quotas(1);
-  const Lease kept = quotas.Take("kept");
+  const Share kept = quotas.Take("kept");
   for (int i = 0; i < 10'000; ++i) EXPECT_TRUE(quotas.Take(std::to_string(i)));
   EXPECT_LT(quotas.size(), 2000u);
   EXPECT_FALSE(quotas.Take("kept"));
@@ -229,20 +229,20 @@ TEST(ClientQuotas, ForgetsClientsThatHoldNothing) {
 
 TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
   Quota quota(10);
-  Lease a = quota.Take(6);
+  Share a = quota.Take(6);
   EXPECT_TRUE(a);
   EXPECT_FALSE(quota.Take(5));
   EXPECT_FALSE(quota.Take(~std::uint64_t{0}));
   {
-    const Lease b = quota.Take(4);
+    const Share b = quota.Take(4);
     EXPECT_TRUE(b);
     EXPECT_EQ(quota.used(), 10u);
   }
   EXPECT_EQ(quota.used(), 6u);
-  Lease c = std::move(a);
+  Share c = std::move(a);
   a.Release();
   EXPECT_EQ(quota.used(), 6u);
-  c = Lease();
+  c = Share();
   EXPECT_EQ(quota.used(), 0u);
 }
 
