@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_COPLANAR_PLANE_FIT_H_
 #define DYNMESH_CORE_COPLANAR_PLANE_FIT_H_
 
+#include <array>
 #include <vector>
 
 #include "core/geometry/circumball.h"
@@ -19,6 +20,11 @@ class PlaneFit {
   const geometry::Vector3& normal() const { return normal_; }
   double Height(const geometry::Point3& p) const {
     return geometry::Dot(normal_, geometry::Difference(p.c, centre_.c));
+  }
+  // Along two axes in the plane, from the centre.
+  std::array<double, 2> PlaceOf(const geometry::Point3& p) const {
+    const geometry::Vector3 d = geometry::Difference(p.c, centre_.c);
+    return {geometry::Dot(u_, d), geometry::Dot(w_, d)};
   }
   // How many times a corner's error in height the plane is off at p, in the mean: at most 1 at the
   // corners, and more far from them.
