@@ -25,7 +25,8 @@ using geometry::Vector3;
 
 namespace {
 
-constexpr int kMostRounds = 48;
+// In which faces stay, until all do.
+constexpr int kMostRounds = 12;
 // What a mesh allows (core/plc/facet_rules.h), less something.
 constexpr double kFlatEnough = 0.9e-9;
 
@@ -49,14 +50,14 @@ class FlatJoiner {
     named_before_.assign(positions_.size(), false);
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kPolygon) continue;
-      CornerRing& ring = faces_.emplace_back();
+      CornerRing& ring = given_.emplace_back();
       for (const FeatureId id : f.rings.front()) {
         ring.push_back(corner_.at(id));
         named_before_[ring.back()] = true;
       }
-      ids_.push_back(f.id);
-      kept_faces_.push_back(false);
+      given_ids_.push_back(f.id);
     }
+    is_exact_.assign(positions_.size(), false);
     kept_.corners.assign(positions_.size(), false);
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kSegment) continue;
@@ -68,34 +69,54 @@ class FlatJoiner {
   }
 
   JoinedFaces Run() {
-    if (options_.join) {
-      result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
-    }
-    for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
-      if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f);
-    }
-    for (int round = 0;; ++round) {
-      const bool is_last = !options_.join || round == kMostRounds;
-      if (is_last) kept_faces_.assign(faces_.size(), true);
+    Start();
+    for (int round = 0; options_.join; ++round) {
+      if (round == kMostRounds) {
+        options_.join = false;
+        Start();
+        break;
+      }
       MakePatches();
       moved_ = positions_;
-      if (!is_last) {
-        if (const auto bad = Flatten(patches_, roundings_, moved_); !bad.empty()) {
-          for (const std::size_t p : bad) Keep(p);
-          continue;
-        }
+      if (const auto bad = Flatten(patches_, roundings_, moved_); !bad.empty()) {
+        for (const std::size_t p : bad) KeepOutput(of_patch_[p]);
+        continue;
       }
       WriteFeatures();
-      if (is_last || !options_.refused || !KeepRefused()) break;
+      if (!KeepRefused()) break;
+    }
+    if (!options_.join) {
+      kept_faces_.assign(faces_.size(), true);
+      MakePatches();
+      moved_ = positions_;
+      WriteFeatures();
     }
     Count();
     return std::move(result_);
   }
 
  private:
+  // The faces as they come, without those that have no area, and flat.
+  void Start() {
+    faces_ = given_;
+    ids_ = given_ids_;
+    kept_faces_.assign(faces_.size(), false);
+    groups_.clear();
+    for (const FeatureId id : ids_) groups_.push_back(options_.group ? options_.group(id) : 0);
+    next_id_ = last_ + 1;
+    result_ = {};
+    if (options_.join) {
+      result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
+    }
+    for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
+      if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f, !options_.join);
+    }
+  }
+
   std::function<double(Corner)> Within() const {
     return [this](Corner c) {
-      return 2 * std::max({roundings_[c][0], roundings_[c][1], roundings_[c][2]});
+      const Vector3& rounding = roundings_[c];
+      return is_exact_[c] ? 0 : 2 * std::max({rounding[0], rounding[1], rounding[2]});
     };
   }
 
@@ -128,8 +149,8 @@ class FlatJoiner {
     });
   }
 
-  // Its triangles are kept faces.
-  void Cut(std::size_t f) {
+  // Into triangles, that are joined as others or are kept.
+  void Cut(std::size_t f, bool is_kept) {
     const std::vector<CornerRing> triangles = CutFace(positions_, faces_[f]);
     if (triangles.empty()) {
       kept_faces_[f] = true;
@@ -139,13 +160,14 @@ class FlatJoiner {
     for (const CornerRing& triangle : triangles) {
       if (&triangle == triangles.data()) {
         faces_[f] = triangle;
-        kept_faces_[f] = options_.join ? was_patch_ : true;
+        kept_faces_[f] = is_kept;
         continue;
       }
       faces_.push_back(triangle);
-      ids_.push_back(++last_);
-      result_.parts.emplace_back(last_, ids_[f]);
-      kept_faces_.push_back(kept_faces_[f]);
+      ids_.push_back(next_id_++);
+      result_.parts.emplace_back(ids_.back(), ids_[f]);
+      kept_faces_.push_back(is_kept);
+      groups_.push_back(groups_[f]);
     }
   }
 
@@ -159,7 +181,7 @@ class FlatJoiner {
     }
     std::vector<FlatRegion> regions;
     if (options_.join) {
-      regions = FindRoundedRegions(positions_, roundings_, faces, kept_, stay);
+      regions = FindRoundedRegions(positions_, roundings_, faces, kept_, groups_, stay);
     }
     out_.clear();
     members_.clear();
@@ -179,10 +201,7 @@ class FlatJoiner {
     // What is to be flat, by coordinates.
     std::map<FaceRings, std::size_t> order;
     for (std::size_t i = 0; i < out_.size(); ++i) {
-      std::size_t corners = 0;
-      for (const CornerRing& ring : out_[i]) corners += ring.size();
-      const bool is_kept = members_[i].size() == 1 && kept_faces_[members_[i].front()];
-      if (corners > 3 && !is_kept) order.emplace(Canonical(out_[i]), i);
+      if (IsPatch(i)) order.emplace(Canonical(out_[i]), i);
     }
     patches_.clear();
     of_patch_.clear();
@@ -192,16 +211,11 @@ class FlatJoiner {
     }
   }
 
-  void Keep(std::size_t patch) { KeepOutput(of_patch_[patch]); }
-
   // The faces of a polygon stay as they were; a lone one is cut.
   void KeepOutput(std::size_t i) {
     for (const std::size_t f : members_[i]) {
       kept_faces_[f] = true;
-      if (faces_[f].size() > 3) {
-        was_patch_ = true;
-        Cut(f);
-      }
+      if (faces_[f].size() > 3) Cut(f, true);
     }
   }
 
@@ -227,11 +241,7 @@ class FlatJoiner {
       result_.features.back().position = moved_[c].c;
     }
     std::map<FeatureId, std::size_t> by_id;
-    for (std::size_t i = 0; i < out_.size(); ++i) {
-      FeatureId id = ids_[members_[i].front()];
-      for (const std::size_t f : members_[i]) id = std::min(id, ids_[f]);
-      by_id.emplace(id, i);
-    }
+    for (std::size_t i = 0; i < out_.size(); ++i) by_id.emplace(IdOfOutput(i), i);
     for (const auto& [id, i] : by_id) {
       Rings rings;
       for (const CornerRing& ring : out_[i]) {
@@ -242,58 +252,102 @@ class FlatJoiner {
     }
   }
 
-  // With numbers by coordinates as ids, so that the order of the file does not decide what is told
-  // first. True if a polygon is kept as its faces now.
-  bool KeepRefused() {
-    if (patches_.empty()) return false;
-    std::vector<Feature> canonical;
-    for (const std::size_t i : points_) {
-      const auto c = corner_.at(features_[i].id);
-      canonical.push_back(
-          Feature::Point(FeatureId{c} + 1, moved_[c][0], moved_[c][1], moved_[c][2]));
-    }
-    absl::flat_hash_set<FeatureId> present;
-    for (const Feature& f : result_.features) present.insert(f.id);
-    std::erase_if(canonical, [&](const Feature& f) {
-      return !present.contains(IdOf(static_cast<Corner>(f.id - 1)));
+  bool IsMoved(Corner c) const { return !(moved_[c] == positions_[c]); }
+
+  bool IsMoved(const FaceRings& rings) const {
+    return std::any_of(rings.begin(), rings.end(), [&](const CornerRing& ring) {
+      return std::any_of(ring.begin(), ring.end(), [&](Corner c) { return IsMoved(c); });
     });
-    FeatureId id = positions_.size();
-    for (const auto& [p, q] : kept_.edges) {
-      canonical.push_back(Feature::Segment(++id, FeatureId{p} + 1, FeatureId{q} + 1));
+  }
+
+  // Is it other than a face that was given?
+  bool IsChanged(std::size_t i, const absl::flat_hash_map<FeatureId, std::size_t>& given) const {
+    if (members_[i].size() > 1 || IsMoved(out_[i])) return true;
+    const auto it = given.find(ids_[members_[i].front()]);
+    return it == given.end() || Canonical(out_[i]) != Canonical({given_[it->second]});
+  }
+
+  // Where something that has changed is in conflict, faces stay as they were given. True if there
+  // are such ones.
+  bool KeepRefused() {
+    if (!options_.conflicts) return false;
+    absl::flat_hash_map<FeatureId, std::size_t> given, output_of;
+    for (std::size_t f = 0; f < given_.size(); ++f) given.emplace(given_ids_[f], f);
+    absl::flat_hash_set<FeatureId> changed;
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      const FeatureId id = IdOfOutput(i);
+      output_of.emplace(id, i);
+      if (IsChanged(i, given)) changed.insert(id);
     }
-    std::vector<std::size_t> order(out_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::vector<FaceRings> keys;
-    for (const FaceRings& rings : out_) keys.push_back(Canonical(rings));
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t i, std::size_t j) { return keys[i] < keys[j]; });
-    const FeatureId first = id + 1;
-    for (const std::size_t i : order) {
-      Rings rings;
-      for (const CornerRing& ring : keys[i]) {
-        std::vector<FeatureId>& corners = rings.emplace_back();
-        for (const Corner c : ring) corners.push_back(FeatureId{c} + 1);
+    for (const Feature& f : result_.features) {
+      if (f.kind == FeatureKind::kPoint && IsMoved(corner_.at(f.id))) changed.insert(f.id);
+      if (f.kind == FeatureKind::kSegment &&
+          (IsMoved(corner_.at(f.ends[0])) || IsMoved(corner_.at(f.ends[1])))) {
+        changed.insert(f.id);
       }
-      canonical.push_back(Feature::Polygon(++id, std::move(rings)));
     }
-    std::vector<bool> blamed(out_.size(), false);
-    for (const FeatureId of : options_.refused(canonical)) {
-      if (of >= first && of <= id) blamed[order[of - first]] = true;
-    }
+    if (changed.empty()) return false;
+    absl::flat_hash_set<FeatureId> blamed;
+    options_.conflicts(
+        result_.features, [&](FeatureId id) { return changed.contains(id); },
+        [&](FeatureId f, FeatureId g) {
+          for (const FeatureId id : {f, g}) {
+            if (changed.contains(id)) blamed.insert(id);
+          }
+        });
+    if (blamed.empty()) return false;
+    // What holds moved corners: all polygons that are to be flat there.
+    std::vector<bool> stays(out_.size(), false), corner_stays(positions_.size(), false);
     bool any = false;
-    for (const std::size_t i : of_patch_) {
-      if (!blamed[i]) continue;
-      const bool is_joined = members_[i].size() > 1;
-      const bool is_moved =
-          std::any_of(out_[i].begin(), out_[i].end(), [&](const CornerRing& ring) {
-            return std::any_of(ring.begin(), ring.end(),
-                               [&](Corner c) { return !(moved_[c] == positions_[c]); });
-          });
-      if (!is_joined && !is_moved) continue;
+    for (const Feature& f : result_.features) {
+      if (!blamed.contains(f.id)) continue;
+      if (f.kind == FeatureKind::kPoint) corner_stays[corner_.at(f.id)] = true;
+      if (f.kind == FeatureKind::kSegment) {
+        for (const FeatureId end : f.ends) corner_stays[corner_.at(end)] = true;
+      }
+      if (f.kind != FeatureKind::kPolygon) continue;
+      const std::size_t i = output_of.at(f.id);
+      stays[i] = true;
+      for (const CornerRing& ring : out_[i]) {
+        for (const Corner c : ring) {
+          if (!IsPatch(i)) corner_stays[c] = true;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      for (const CornerRing& ring : out_[i]) {
+        for (const Corner c : ring) {
+          if (corner_stays[c] && IsMoved(c)) stays[i] = true;
+        }
+      }
+    }
+    for (std::size_t i = 0, n = out_.size(); i < n; ++i) {
+      if (!stays[i] || !IsPatch(i)) continue;
       KeepOutput(i);
       any = true;
     }
-    return any;
+    if (any) return true;
+    // Then faces without area have changed their neighbours.
+    for (Corner c = 0; c < corner_stays.size(); ++c) {
+      any = any || (corner_stays[c] && !is_exact_[c]);
+      if (corner_stays[c]) is_exact_[c] = true;
+    }
+    if (!any) options_.join = false;
+    Start();
+    return true;
+  }
+
+  // Is it to be flat?
+  bool IsPatch(std::size_t i) const {
+    std::size_t corners = 0;
+    for (const CornerRing& ring : out_[i]) corners += ring.size();
+    return corners > 3 && !(members_[i].size() == 1 && kept_faces_[members_[i].front()]);
+  }
+
+  FeatureId IdOfOutput(std::size_t i) const {
+    FeatureId id = ids_[members_[i].front()];
+    for (const std::size_t f : members_[i]) id = std::min(id, ids_[f]);
+    return id;
   }
 
   void Count() {
@@ -313,19 +367,22 @@ class FlatJoiner {
   }
 
   const std::vector<Feature>& features_;
-  const JoinOptions& options_;
+  JoinOptions options_;
   JoinedFaces result_;
-  FeatureId last_ = 0;
+  FeatureId last_ = 0, next_id_ = 0;
   std::vector<std::size_t> points_;  // in the order of coordinates
   std::vector<Point3> positions_, moved_;
   std::vector<Vector3> roundings_;
   absl::flat_hash_map<FeatureId, Corner> corner_;
   std::vector<bool> named_before_;
   Kept kept_;
+  std::vector<CornerRing> given_;
+  std::vector<FeatureId> given_ids_;
+  std::vector<bool> is_exact_;     // corners at which no line is within rounding
   std::vector<CornerRing> faces_;  // empty: it is gone
   std::vector<FeatureId> ids_;     // of faces
-  std::vector<bool> kept_faces_;   // those that stay as they are
-  bool was_patch_ = false;         // faces that are cut were to be flat
+  std::vector<std::size_t> groups_;
+  std::vector<bool> kept_faces_;  // those that stay as they are
   // Of a round: polygons, and their faces; of them those that are to be flat.
   std::vector<FaceRings> out_;
   std::vector<std::vector<std::size_t>> members_;

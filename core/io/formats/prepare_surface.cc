@@ -1,7 +1,7 @@
 #include "core/io/formats/prepare_surface.h"
 
 #include <algorithm>
-#include <optional>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -10,29 +10,30 @@
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/join_flat.h"
 #include "core/io/space/surface_mending.h"
-#include "dynmesh/dynamic_mesh.h"
-#include "dynmesh/error.h"
+#include "core/plc/conflicts.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::io {
 namespace {
 
-// The options of a mesh of the file.
-MeshOptions OptionsOf(const FileFeatures& file) {
+// The options of a mesh of the features.
+MeshOptions OptionsOf(const std::vector<Feature>& features) {
   MeshOptions options;
   options.dimension = 3;
   options.quality = DefaultQuality(3);
   options.min_dihedral = DefaultMinDihedral(3);
-  options.box = BoundingBox(file.features, 3);
+  options.box = BoundingBox(features, 3);
   return options;
 }
 
-// Whose features does a mesh blame? Empty: it takes them.
-std::vector<FeatureId> Blamed(const MeshOptions& options, const std::vector<Feature>& features) {
-  const auto mesh = DynamicMesh::Create(options);
-  if (!mesh.ok()) return {};
-  const std::optional<ErrorDetail> detail = GetErrorDetail((*mesh)->Validate(AddAll(features)));
-  return detail ? detail->features : std::vector<FeatureId>();
+// What a mesh of the features refuses.
+void FindConflicts(const std::vector<Feature>& features,
+                   const std::function<bool(FeatureId)>& is_looked_at,
+                   const std::function<void(FeatureId, FeatureId)>& found) {
+  const MeshOptions options = OptionsOf(features);
+  if (ValidateOptions(options).ok()) {
+    plc::FindConflicts(options, features, is_looked_at, found);
+  }
 }
 
 bool HasFacesToCut(const std::vector<Feature>& features) {
@@ -41,13 +42,12 @@ bool HasFacesToCut(const std::vector<Feature>& features) {
   });
 }
 
-coplanar::JoinedFaces Join(const GeometryOptions& options, const MeshOptions& mesh,
-                           FileFeatures& file) {
+coplanar::JoinedFaces Join(const GeometryOptions& options, FileFeatures& file) {
   coplanar::JoinOptions joining;
   joining.join = options.join_flat;
   joining.holes = options.holes_of_polygons;
   joining.rounding = [&](double x) { return file.rounding.Of(x); };
-  joining.refused = [&](const std::vector<Feature>& features) { return Blamed(mesh, features); };
+  joining.conflicts = FindConflicts;
   coplanar::JoinedFaces joined = coplanar::JoinFlat(file.features, joining);
   for (const auto& [part, whole] : joined.parts) {
     file.lines.resize(part, 1);
@@ -77,7 +77,7 @@ std::string TextOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joine
 
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options) {
-  const MeshOptions mesh = OptionsOf(file);
+  const MeshOptions mesh = OptionsOf(file.features);
   // Coordinates out of range are refused with their feature, by the mesh.
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
   const SurfaceMends mends = MendSurface(near, file);
@@ -85,7 +85,7 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
   if ((options.join_flat || HasFacesToCut(file.features)) &&
       std::ranges::all_of(file.features,
                           [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
-    joined = Join(options, mesh, file);
+    joined = Join(options, file);
   }
   Geometry geometry = GeometryOfSpace(std::move(file), path);
   if (const std::string done = TextOf(mends, joined); !done.empty()) {
