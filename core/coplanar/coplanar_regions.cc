@@ -273,7 +273,7 @@ class Finder {
   }
 
   // The corners of the faces, in their order.
-  std::vector<Point3> CornersOf(const std::vector<std::size_t>& faces) const {
+  std::vector<Corner> CornersOf(const std::vector<std::size_t>& faces) const {
     std::vector<Corner> corners;
     for (const std::size_t f : faces) {
       for (const CornerRing& ring : faces_[f]) {
@@ -282,7 +282,7 @@ class Finder {
     }
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    return PositionsOf(corners);
+    return corners;
   }
 
   std::optional<FlatRegion> GrowRounded(std::size_t seed,
@@ -298,7 +298,8 @@ class Finder {
     std::optional<FlatRegion> region;
     constexpr int kMostTurns = 12;
     for (int turn = 0;; ++turn) {
-      const PlaneFit fit(CornersOf(faces), area);
+      const std::vector<Corner> corners = CornersOf(faces);
+      const PlaneFit fit(PositionsOf(corners), area, RoundingsAlong(area, corners, roundings));
       const bool is_last = turn >= kMostTurns;
       const RegionPlane plane =
           is_last ? RegionPlane(fit, roundings, kBand, 0) : RegionPlane(fit, roundings, 1.5, 1.5);

@@ -142,7 +142,7 @@ class FlatJoiner {
     CornerRing sorted = ring;
     std::sort(sorted.begin(), sorted.end());
     const Vector3 area = AreaVector(PositionsOf(ring));
-    const PlaneFit fit(PositionsOf(sorted), area);
+    const PlaneFit fit(PositionsOf(sorted), area, RoundingsAlong(area, sorted, roundings_));
     return std::all_of(sorted.begin(), sorted.end(), [&](Corner c) {
       return std::abs(fit.Height(positions_[c])) <=
              kBand * RoundingAlong(fit.normal(), roundings_[c]);
