@@ -438,11 +438,34 @@ FlatRegions FindFlatRegions(const std::vector<Point3>& positions,
 
 std::vector<FlatRegion> FindRoundedRegions(const std::vector<Point3>& positions,
                                            const std::vector<geometry::Vector3>& roundings,
-                                           const std::vector<FaceRings>& faces, const Kept& kept,
+                                           const std::vector<CornerRing>& faces, const Kept& kept,
                                            const std::vector<std::size_t>& groups,
                                            const std::vector<bool>& stay) {
+  // What stays matters only at the corners of what does not.
+  std::vector<bool> is_near(positions.size(), false);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (stay[f]) continue;
+    for (const Corner c : faces[f]) is_near[c] = true;
+  }
+  std::vector<std::size_t> chosen, their_groups;
+  std::vector<FaceRings> their_faces;
+  std::vector<bool> they_stay;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (std::none_of(faces[f].begin(), faces[f].end(), [&](Corner c) { return is_near[c]; })) {
+      continue;
+    }
+    chosen.push_back(f);
+    their_faces.push_back(Canonical({faces[f]}));
+    their_groups.push_back(groups[f]);
+    they_stay.push_back(stay[f]);
+  }
   const Thickness none;
-  return Finder(positions, faces, kept, 0, none).RunRounded(roundings, groups, stay);
+  std::vector<FlatRegion> regions =
+      Finder(positions, their_faces, kept, 0, none).RunRounded(roundings, their_groups, they_stay);
+  for (FlatRegion& region : regions) {
+    for (std::size_t& f : region.faces) f = chosen[f];
+  }
+  return regions;
 }
 
 }  // namespace dynmesh::coplanar

@@ -12,6 +12,7 @@
 #include "core/coplanar/cut_face.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/flatten.h"
+#include "core/coplanar/lone_faces.h"
 #include "core/coplanar/needles.h"
 #include "core/coplanar/plane_fit.h"
 #include "core/coplanar/straight_corners.h"
@@ -70,6 +71,10 @@ class FlatJoiner {
 
   JoinedFaces Run() {
     Start();
+    if (IsNothingToDo()) {
+      result_.features = features_;
+      return std::move(result_);
+    }
     for (int round = 0; options_.join; ++round) {
       if (round == kMostRounds) {
         options_.join = false;
@@ -111,6 +116,16 @@ class FlatJoiner {
     for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
       if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f, !options_.join);
     }
+    is_lone_ = options_.join ? LoneFaces(positions_, roundings_, faces_)
+                             : std::vector<bool>(faces_.size(), true);
+  }
+
+  bool IsNothingToDo() const {
+    if (result_.needles > 0 || result_.cut > 0) return false;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      if (!is_lone_[f] || (options_.join && faces_[f].size() > 3)) return false;
+    }
+    return true;
   }
 
   std::function<double(Corner)> Within() const {
@@ -168,20 +183,21 @@ class FlatJoiner {
       result_.parts.emplace_back(ids_.back(), ids_[f]);
       kept_faces_.push_back(is_kept);
       groups_.push_back(groups_[f]);
+      is_lone_.push_back(true);
     }
   }
 
   // Joins what is flat, of the faces that are not kept.
   void MakePatches() {
-    std::vector<FaceRings> faces;
     std::vector<bool> stay = kept_faces_;
+    bool any = false;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-      faces.push_back(faces_[f].empty() ? FaceRings{} : Canonical({faces_[f]}));
-      if (faces_[f].empty()) stay[f] = true;
+      if (faces_[f].empty() || is_lone_[f]) stay[f] = true;
+      any = any || !stay[f];
     }
     std::vector<FlatRegion> regions;
-    if (options_.join) {
-      regions = FindRoundedRegions(positions_, roundings_, faces, kept_, groups_, stay);
+    if (any) {
+      regions = FindRoundedRegions(positions_, roundings_, faces_, kept_, groups_, stay);
     }
     out_.clear();
     members_.clear();
@@ -197,7 +213,7 @@ class FlatJoiner {
       out_.push_back({faces_[f]});
       members_.push_back({f});
     }
-    if (options_.join) DropStraightCorners(positions_, kept_.corners, out_, Within());
+    if (options_.join) DropStraight();
     // What is to be flat, by coordinates.
     std::map<FaceRings, std::size_t> order;
     for (std::size_t i = 0; i < out_.size(); ++i) {
@@ -209,6 +225,23 @@ class FlatJoiner {
       patches_.push_back(rings);
       of_patch_.push_back(i);
     }
+  }
+
+  // Triangles keep their corners.
+  void DropStraight() {
+    std::vector<bool> kept = kept_.corners;
+    std::vector<FaceRings> large;
+    std::vector<std::size_t> of_large;
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      if (out_[i].size() > 1 || out_[i].front().size() > 3) {
+        large.push_back(std::move(out_[i]));
+        of_large.push_back(i);
+        continue;
+      }
+      for (const Corner c : out_[i].front()) kept[c] = true;
+    }
+    if (!large.empty()) DropStraightCorners(positions_, kept, large, Within());
+    for (std::size_t k = 0; k < large.size(); ++k) out_[of_large[k]] = std::move(large[k]);
   }
 
   // The faces of a polygon stay as they were; a lone one is cut.
@@ -240,8 +273,9 @@ class FlatJoiner {
       result_.features.push_back(f);
       result_.features.back().position = moved_[c].c;
     }
-    std::map<FeatureId, std::size_t> by_id;
-    for (std::size_t i = 0; i < out_.size(); ++i) by_id.emplace(IdOfOutput(i), i);
+    std::vector<std::pair<FeatureId, std::size_t>> by_id;
+    for (std::size_t i = 0; i < out_.size(); ++i) by_id.emplace_back(IdOfOutput(i), i);
+    std::sort(by_id.begin(), by_id.end());
     for (const auto& [id, i] : by_id) {
       Rings rings;
       for (const CornerRing& ring : out_[i]) {
@@ -261,23 +295,22 @@ class FlatJoiner {
   }
 
   // Is it other than a face that was given?
-  bool IsChanged(std::size_t i, const absl::flat_hash_map<FeatureId, std::size_t>& given) const {
-    if (members_[i].size() > 1 || IsMoved(out_[i])) return true;
-    const auto it = given.find(ids_[members_[i].front()]);
-    return it == given.end() || Canonical(out_[i]) != Canonical({given_[it->second]});
+  bool IsChanged(std::size_t i) const {
+    const std::size_t f = members_[i].front();
+    return members_[i].size() > 1 || f >= given_.size() || out_[i].size() > 1 ||
+           out_[i].front() != given_[f] || IsMoved(out_[i]);
   }
 
   // Where something that has changed is in conflict, faces stay as they were given. True if there
   // are such ones.
   bool KeepRefused() {
     if (!options_.conflicts) return false;
-    absl::flat_hash_map<FeatureId, std::size_t> given, output_of;
-    for (std::size_t f = 0; f < given_.size(); ++f) given.emplace(given_ids_[f], f);
+    absl::flat_hash_map<FeatureId, std::size_t> output_of;
     absl::flat_hash_set<FeatureId> changed;
     for (std::size_t i = 0; i < out_.size(); ++i) {
-      const FeatureId id = IdOfOutput(i);
-      output_of.emplace(id, i);
-      if (IsChanged(i, given)) changed.insert(id);
+      if (!IsChanged(i)) continue;
+      output_of.emplace(IdOfOutput(i), i);
+      changed.insert(IdOfOutput(i));
     }
     for (const Feature& f : result_.features) {
       if (f.kind == FeatureKind::kPoint && IsMoved(corner_.at(f.id))) changed.insert(f.id);
@@ -383,6 +416,7 @@ class FlatJoiner {
   std::vector<FeatureId> ids_;     // of faces
   std::vector<std::size_t> groups_;
   std::vector<bool> kept_faces_;  // those that stay as they are
+  std::vector<bool> is_lone_;     // those that are in one plane with no neighbour
   // Of a round: polygons, and their faces; of them those that are to be flat.
   std::vector<FaceRings> out_;
   std::vector<std::vector<std::size_t>> members_;

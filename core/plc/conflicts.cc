@@ -11,6 +11,7 @@
 #include "core/plc/facet.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/feature_index.h"
+#include "core/plc/marked_cells.h"
 #include "core/plc/messages.h"
 #include "core/plc/rules.h"
 
@@ -30,9 +31,27 @@ class ConflictFinder {
         found_(found),
         index_(CellGrid<3>(options.box, limit_)) {
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) AddPoint(f);
+      if (f.kind != FeatureKind::kPoint) continue;
+      std::copy_n(f.position.begin(), 3, position_[f.id].c.begin());
     }
+    // What is far from all that is looked at does not matter.
+    Point3 lo, hi;
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo.c[k] = options.box.lo[k];
+      hi.c[k] = options.box.hi[k];
+    }
+    MarkedCells cells(lo, hi, features.size());
     for (const Feature& f : features) {
+      if (f.kind == FeatureKind::kSize || !is_looked_at(f.id)) continue;
+      const auto [from, to] = BoxOf(f);
+      cells.Mark(from, to);
+    }
+    cells.Finish();
+    for (const Feature& f : features) {
+      if (f.kind == FeatureKind::kSize) continue;
+      const auto [from, to] = BoxOf(f);
+      if (!cells.Meets(from, to)) continue;
+      if (f.kind == FeatureKind::kPoint) points_.push_back({f.id, position_.at(f.id)});
       if (f.kind == FeatureKind::kSegment) AddSegment(f);
       if (f.kind == FeatureKind::kPolygon) AddPolygon(f);
     }
@@ -73,12 +92,28 @@ class ConflictFinder {
   }
 
  private:
-  void AddPoint(const Feature& f) {
-    PointFeature<3> point;
-    point.id = f.id;
-    std::copy_n(f.position.begin(), 3, point.p.c.begin());
-    position_.emplace(f.id, point.p);
-    points_.push_back(point);
+  std::pair<Point3, Point3> BoxOf(const Feature& f) const {
+    std::pair<Point3, Point3> box;
+    bool is_first = true;
+    const auto add = [&](FeatureId id) {
+      const Point3& p = position_.at(id);
+      if (is_first) box = {p, p};
+      is_first = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        box.first.c[k] = std::min(box.first.c[k], p.c[k]);
+        box.second.c[k] = std::max(box.second.c[k], p.c[k]);
+      }
+    };
+    if (f.kind == FeatureKind::kPoint) add(f.id);
+    if (f.kind == FeatureKind::kSegment) {
+      for (const FeatureId id : f.ends) add(id);
+    }
+    if (f.kind == FeatureKind::kPolygon) {
+      for (const auto& ring : f.rings) {
+        for (const FeatureId id : ring) add(id);
+      }
+    }
+    return box;
   }
 
   void AddSegment(const Feature& f) { segments_[EdgeBetween(f.ends[0], f.ends[1])].id = f.id; }
