@@ -21,12 +21,12 @@
 namespace dynmesh::coplanar::join_flat_property_test {
 namespace {
 
-using testing::Below;
-using testing::Numbers;
-using testing::Place;
-using testing::Random;
-using testing::Solid;
-using testing::Soup;
+using rounded::Below;
+using rounded::Numbers;
+using rounded::Place;
+using rounded::Random;
+using rounded::Solid;
+using rounded::Soup;
 
 MeshOptions OptionsOf(const std::vector<Feature>& features) {
   MeshOptions options;
@@ -131,14 +131,14 @@ TEST(JoinFlatProperties, SolidsComeBackAsTheirFaces) {
   Random random(static_cast<Random::result_type>(test::NewSeed()));
   for (int run = 0; run < 400 && !::testing::Test::HasFailure(); ++run) {
     const Numbers numbers = kAllNumbers[run % 4];
-    Solid solid = testing::AnySolid(random);
+    Solid solid = rounded::AnySolid(random);
     const Solid before = solid;
     do {  // six decimals of a small solid are too few
       solid = before;
-      testing::Put(random, solid);
+      rounded::Put(random, solid);
     } while (numbers == Numbers::kSixDecimals && std::abs(solid.points[0][0]) < 1);
-    const io::NumberRounding rounding = testing::Round(numbers, solid);
-    const Soup soup = testing::Shuffled(random, solid);
+    const io::NumberRounding rounding = rounded::Round(numbers, solid);
+    const Soup soup = rounded::Shuffled(random, solid);
     const JoinedFaces joined = Joined(soup.features, rounding);
     const Result result = ResultOf(joined, soup);
     Result wanted = Wanted(solid);
@@ -155,7 +155,7 @@ TEST(JoinFlatProperties, SolidsComeBackAsTheirFaces) {
     EXPECT_EQ(result.points, wanted.points);
     EXPECT_EQ(CountConflicts(joined.features), 0U) << "run " << run << "\n" << TextOf(solid);
     // The order does not matter.
-    const Soup other = testing::Shuffled(random, solid);
+    const Soup other = rounded::Shuffled(random, solid);
     EXPECT_EQ(ResultOf(Joined(other.features, rounding), other), result) << "run " << run << "\n"
                                                                          << TextOf(solid);
   }
@@ -166,26 +166,26 @@ TEST(JoinFlatProperties, WhatIsAcceptedAsItComesIsAcceptedJoined) {
   Random random(static_cast<Random::result_type>(test::NewSeed()));
   int accepted = 0, joined_some = 0;
   for (int run = 0; run < 400 && !::testing::Test::HasFailure(); ++run) {
-    Solid solid = testing::AnySolid(random);
-    testing::Put(random, solid);
+    Solid solid = rounded::AnySolid(random);
+    rounded::Put(random, solid);
     const Solid exact = solid;
-    const io::NumberRounding rounding = testing::Round(kAllNumbers[run % 4], solid);
-    const double noise = std::pow(10, testing::Uniform(random, -1, 3));
+    const io::NumberRounding rounding = rounded::Round(kAllNumbers[run % 4], solid);
+    const double noise = std::pow(10, rounded::Uniform(random, -1, 3));
     for (Place& p : solid.points) {
       if (Below(random, 3) != 0) continue;
-      for (double& x : p) x += noise * rounding.Of(x) * testing::Uniform(random, -1, 1);
+      for (double& x : p) x += noise * rounding.Of(x) * rounded::Uniform(random, -1, 1);
     }
     // A triangle is thin: a corner near the edge of the others, on either side.
     for (int k = 0; k < 2; ++k) {
-      const testing::Loop cut = solid.triangles[Below(random, solid.triangles.size())];
-      const double share = testing::Uniform(random, 0.2, 0.8);
+      const rounded::Loop cut = solid.triangles[Below(random, solid.triangles.size())];
+      const double share = rounded::Uniform(random, 0.2, 0.8);
       Place middle{};
       for (std::size_t x = 0; x < 3; ++x) {
         const double a = solid.points[static_cast<std::size_t>(cut[0])][x],
                      b = solid.points[static_cast<std::size_t>(cut[1])][x],
                      c = solid.points[static_cast<std::size_t>(cut[2])][x];
-        middle[x] = a + share * (b - a) + std::pow(10, testing::Uniform(random, -8, -2)) * (c - a) +
-                    rounding.Of(a) * testing::Uniform(random, -2, 2);
+        middle[x] = a + share * (b - a) + std::pow(10, rounded::Uniform(random, -8, -2)) * (c - a) +
+                    rounding.Of(a) * rounded::Uniform(random, -2, 2);
       }
       const int m = static_cast<int>(solid.points.size());
       solid.points.push_back(middle);
@@ -195,10 +195,10 @@ TEST(JoinFlatProperties, WhatIsAcceptedAsItComesIsAcceptedJoined) {
       solid.triangles.push_back({cut[1], cut[2], m});
       solid.triangles.push_back({cut[2], cut[0], m});
     }
-    const Soup soup = testing::Shuffled(random, solid);
+    const Soup soup = rounded::Shuffled(random, solid);
     const JoinedFaces kept = Joined(soup.features, rounding, false);
     const JoinedFaces joined = Joined(soup.features, rounding);
-    const Soup other = testing::Shuffled(random, solid);
+    const Soup other = rounded::Shuffled(random, solid);
     EXPECT_EQ(ResultOf(Joined(other.features, rounding), other), ResultOf(joined, soup))
         << "run " << run << "\n"
         << TextOf(solid);

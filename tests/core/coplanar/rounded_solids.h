@@ -19,7 +19,7 @@
 #include "core/io/common/written_digits.h"
 #include "dynmesh/feature.h"
 
-namespace dynmesh::coplanar::testing {
+namespace dynmesh::coplanar::rounded {
 
 using Place = std::array<double, 3>;
 using Loop = std::vector<int>;
@@ -288,6 +288,6 @@ inline Soup Shuffled(Random& random, const Solid& solid) {
   return soup;
 }
 
-}  // namespace dynmesh::coplanar::testing
+}  // namespace dynmesh::coplanar::rounded
 
 #endif  // DYNMESH_TESTS_CORE_COPLANAR_ROUNDED_SOLIDS_H_
