@@ -33,8 +33,9 @@ constexpr double kFlatEnough = 0.9e-9;
 
 class FlatJoiner {
  public:
-  FlatJoiner(const std::vector<Feature>& features, const JoinOptions& options)
-      : features_(features), options_(options) {
+  FlatJoiner(std::vector<Feature> given, const JoinOptions& options)
+      : features_(std::move(given)), options_(options) {
+    const std::vector<Feature>& features = features_;
     for (std::size_t i = 0; i < features.size(); ++i) {
       last_ = std::max(last_, features[i].id);
       if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
@@ -72,7 +73,7 @@ class FlatJoiner {
   JoinedFaces Run() {
     Start();
     if (IsNothingToDo()) {
-      result_.features = features_;
+      result_.features = std::move(features_);
       return std::move(result_);
     }
     for (int round = 0; options_.join; ++round) {
@@ -399,7 +400,7 @@ class FlatJoiner {
     }
   }
 
-  const std::vector<Feature>& features_;
+  std::vector<Feature> features_;
   JoinOptions options_;
   JoinedFaces result_;
   FeatureId last_ = 0, next_id_ = 0;
@@ -426,8 +427,8 @@ class FlatJoiner {
 
 }  // namespace
 
-JoinedFaces JoinFlat(const std::vector<Feature>& features, const JoinOptions& options) {
-  return FlatJoiner(features, options).Run();
+JoinedFaces JoinFlat(std::vector<Feature> features, const JoinOptions& options) {
+  return FlatJoiner(std::move(features), options).Run();
 }
 
 }  // namespace dynmesh::coplanar

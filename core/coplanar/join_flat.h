@@ -54,7 +54,7 @@ struct JoinedFaces {
 
 // REQUIRES: each polygon has one ring of three corners or more, all of them points of `features`,
 // no two points at one place. Coordinates are in the domain of the predicates.
-JoinedFaces JoinFlat(const std::vector<Feature>& features, const JoinOptions& options);
+JoinedFaces JoinFlat(std::vector<Feature> features, const JoinOptions& options);
 
 }  // namespace dynmesh::coplanar
 

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
+#include <utility>
 
-#include "absl/container/flat_hash_map.h"
 #include "core/base/rings.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/plane_fit.h"
@@ -21,8 +20,6 @@ namespace {
 // More than a region allows of a plane (coplanar_regions.cc), in roundings.
 constexpr double kBeyond = 16;
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
 struct Plane {
   Vector3 normal{};  // of length 1
   double width = 0;  // of the face, across its longest extent; 0: it has no plane
@@ -30,10 +27,11 @@ struct Plane {
   double rounding = 0;
 };
 
+// `points` is memory that is used again.
 Plane PlaneOf(const std::vector<Point3>& positions, const std::vector<Vector3>& roundings,
-              const CornerRing& ring) {
+              const CornerRing& ring, PointRing& points) {
   Plane plane;
-  PointRing points;
+  points.clear();
   for (const Corner c : ring) points.push_back(positions[c]);
   plane.normal = AreaVector(points);
   for (const Point3& p : points) {
@@ -55,25 +53,21 @@ Plane PlaneOf(const std::vector<Point3>& positions, const std::vector<Vector3>& 
 std::vector<bool> LoneFaces(const std::vector<Point3>& positions,
                             const std::vector<Vector3>& roundings,
                             const std::vector<CornerRing>& faces) {
-  struct Sides {
-    std::size_t first = kNone, second = kNone;
-    bool has_more = false;
-  };
-  absl::flat_hash_map<CornerPair, Sides> sides;
-  sides.reserve(faces.size() * 2);
+  // Edges by their lesser corner: the other one, and the face.
+  std::vector<std::size_t> first(positions.size() + 1, 0);
+  for (const CornerRing& face : faces) {
+    ForEachEdgeOf(std::span(&face, 1), [&](Corner p, Corner q) { ++first[std::min(p, q) + 1]; });
+  }
+  for (std::size_t c = 0; c < positions.size(); ++c) first[c + 1] += first[c];
+  std::vector<std::pair<Corner, std::size_t>> edges(first.back());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
   std::vector<Plane> planes(faces.size());
+  PointRing points;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (faces[f].empty()) continue;
-    planes[f] = PlaneOf(positions, roundings, faces[f]);
+    planes[f] = PlaneOf(positions, roundings, faces[f], points);
     ForEachEdgeOf(std::span(&faces[f], 1), [&](Corner p, Corner q) {
-      Sides& at = sides[std::minmax(p, q)];
-      if (at.first == kNone) {
-        at.first = f;
-      } else if (at.second == kNone) {
-        at.second = f;
-      } else {
-        at.has_more = true;
-      }
+      edges[next[std::min(p, q)]++] = {std::max(p, q), f};
     });
   }
   // May the corners of g be in the plane of f, as far as f tells it?
@@ -88,14 +82,21 @@ std::vector<bool> LoneFaces(const std::vector<Point3>& positions,
     });
   };
   std::vector<bool> lone(faces.size(), true);
-  for (const auto& [edge, at] : sides) {
-    if (at.second == kNone || at.has_more) continue;
-    if (!lone[at.first] && !lone[at.second]) continue;
-    if (!may_be_in(at.second, at.first, edge.first) &&
-        !may_be_in(at.first, at.second, edge.first)) {
-      continue;
+  for (Corner c = 0; c < positions.size(); ++c) {
+    const auto begin = edges.begin() + static_cast<std::ptrdiff_t>(first[c]);
+    const auto end = edges.begin() + static_cast<std::ptrdiff_t>(first[c + 1]);
+    std::sort(begin, end);
+    for (auto from = begin; from != end;) {
+      auto to = from;
+      while (to != end && to->first == from->first) ++to;
+      if (to - from == 2) {
+        const std::size_t f = from->second, g = (from + 1)->second;
+        if ((lone[f] || lone[g]) && (may_be_in(g, f, c) || may_be_in(f, g, c))) {
+          lone[f] = lone[g] = false;
+        }
+      }
+      from = to;
     }
-    lone[at.first] = lone[at.second] = false;
   }
   return lone;
 }

@@ -116,7 +116,12 @@ class ConflictFinder {
     return box;
   }
 
-  void AddSegment(const Feature& f) { segments_[EdgeBetween(f.ends[0], f.ends[1])].id = f.id; }
+  void AddSegment(const Feature& f) {
+    SegmentFeature<3>& edge = segments_[EdgeBetween(f.ends[0], f.ends[1])];
+    const bool is_twice = edge.id != kNoFeature && !edge.IsOfPolygon();
+    if (is_twice && (is_looked_at_(f.id) || is_looked_at_(edge.id))) found_(edge.id, f.id);
+    if (!is_twice) edge.id = f.id;
+  }
 
   // The index of the segment or edge between two points.
   std::size_t EdgeBetween(FeatureId p, FeatureId q) {

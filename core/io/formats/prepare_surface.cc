@@ -58,7 +58,7 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, FileFeatures& file) {
           .first->second;
     };
   }
-  coplanar::JoinedFaces joined = coplanar::JoinFlat(file.features, joining);
+  coplanar::JoinedFaces joined = coplanar::JoinFlat(std::move(file.features), joining);
   for (const auto& [part, whole] : joined.parts) {
     file.lines.resize(part, 1);
     file.lines[part - 1] = file.lines[whole - 1];
