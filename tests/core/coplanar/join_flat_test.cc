@@ -223,6 +223,21 @@ TEST(JoinFlat, FacesWithinTheRoundingBecomeOne) {
   EXPECT_EQ(JoinFlat(Square(), Within(1e-8)).joined, 0U);
 }
 
+// At the ends of what predicates take: the same, scaled.
+TEST(JoinFlat, TheUnitDoesNotMatter) {
+  const JoinedFaces usual = JoinFlat(Square(), Within(0x1p-20));
+  for (const double scale : {0x1p190, 0x1p-170}) {
+    std::vector<Feature> features = Square();
+    for (Feature& f : features) {
+      for (double& x : f.position) x *= scale;
+    }
+    const JoinedFaces joined = JoinFlat(features, Within(0x1p-20 * scale));
+    EXPECT_EQ(PolygonsOf(joined), PolygonsOf(usual));
+    EXPECT_EQ(joined.moved, usual.moved);
+    EXPECT_DOUBLE_EQ(joined.most_moved, usual.most_moved * scale);
+  }
+}
+
 TEST(JoinFlat, OfTwoGroupsTheyDoNot) {
   JoinOptions options = Within(1e-6);
   options.group = [](FeatureId id) { return id == 7 ? 1 : 0; };
