@@ -114,6 +114,8 @@ class FlatJoiner {
     if (options_.join) {
       result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
     }
+    as_given_.clear();
+    for (std::size_t f = 0; f < faces_.size(); ++f) as_given_.push_back(faces_[f] == given_[f]);
     for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
       if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f, !options_.join);
     }
@@ -143,14 +145,16 @@ class FlatJoiner {
   }
 
   // Is a face of four corners and more within its rounding, or flat enough for a mesh?
-  bool IsFlat(const CornerRing& ring) const {
+  bool IsFlat(const CornerRing& ring) const { return IsFlatAsItIs(ring) || IsRounded(ring); }
+
+  bool IsFlatAsItIs(const CornerRing& ring) const {
     const std::array<PointRing, 1> rings = {PositionsOf(ring)};
     const Vector3 area = AreaVector(rings[0]);
     if (!(geometry::Dot(area, area) > 0)) return true;  // refused by a mesh
     const geometry::FacetBounds bounds = geometry::BoundsOf(rings, geometry::PlaneOf(rings));
     double extent = 0;
     for (int k = 0; k < 3; ++k) extent = std::max(extent, bounds.hi[k] - bounds.lo[k]);
-    return bounds.deviation <= kFlatEnough * extent || IsRounded(ring);
+    return bounds.deviation <= kFlatEnough * extent;
   }
 
   bool IsRounded(const CornerRing& ring) const {
@@ -185,6 +189,7 @@ class FlatJoiner {
       kept_faces_.push_back(is_kept);
       groups_.push_back(groups_[f]);
       is_lone_.push_back(true);
+      as_given_.push_back(as_given_[f]);
     }
   }
 
@@ -245,11 +250,11 @@ class FlatJoiner {
     for (std::size_t k = 0; k < large.size(); ++k) out_[of_large[k]] = std::move(large[k]);
   }
 
-  // The faces of a polygon stay as they were; a lone one is cut.
+  // The faces of a polygon stay as they were; a lone one is cut if it is not flat.
   void KeepOutput(std::size_t i) {
     for (const std::size_t f : members_[i]) {
       kept_faces_[f] = true;
-      if (faces_[f].size() > 3) Cut(f, true);
+      if (faces_[f].size() > 3 && !IsFlatAsItIs(faces_[f])) Cut(f, true);
     }
   }
 
@@ -295,11 +300,11 @@ class FlatJoiner {
     });
   }
 
-  // Is it other than a face that was given?
+  // Is it other than a face that was given, or its triangles?
   bool IsChanged(std::size_t i) const {
     const std::size_t f = members_[i].front();
-    return members_[i].size() > 1 || f >= given_.size() || out_[i].size() > 1 ||
-           out_[i].front() != given_[f] || IsMoved(out_[i]);
+    return members_[i].size() > 1 || !as_given_[f] || out_[i].front() != faces_[f] ||
+           IsMoved(out_[i]);
   }
 
   // Where something that has changed is in conflict, faces stay as they were given. True if there
@@ -418,6 +423,7 @@ class FlatJoiner {
   std::vector<std::size_t> groups_;
   std::vector<bool> kept_faces_;  // those that stay as they are
   std::vector<bool> is_lone_;     // those that are in one plane with no neighbour
+  std::vector<bool> as_given_;    // those that are as without joining, but for motions
   // Of a round: polygons, and their faces; of them those that are to be flat.
   std::vector<FaceRings> out_;
   std::vector<std::vector<std::size_t>> members_;

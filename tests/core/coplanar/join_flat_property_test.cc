@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -68,7 +69,7 @@ JoinedFaces Joined(const std::vector<Feature>& features, const io::NumberRoundin
 
 // By the points' numbers in the solid: where they are, and the corners of polygons, ring by ring.
 struct Result {
-  std::map<int, Place> points;
+  std::map<int, std::array<double, 3>> points;
   std::set<std::set<std::vector<int>>> polygons;
   bool operator==(const Result&) const = default;
 };
@@ -114,7 +115,8 @@ std::string TextOf(const Solid& solid) {
                      std::to_string(solid.triangles.size()) + " 0\n";
   for (const Place& p : solid.points) {
     char line[100];
-    std::snprintf(line, sizeof(line), "%.17g %.17g %.17g\n", p[0], p[1], p[2]);
+    std::snprintf(line, sizeof(line), "%.17g %.17g %.17g\n", static_cast<double>(p[0]),
+                  static_cast<double>(p[1]), static_cast<double>(p[2]));
     text += line;
   }
   for (const auto& t : solid.triangles) {
@@ -147,7 +149,7 @@ TEST(JoinFlatProperties, SolidsComeBackAsTheirFaces) {
                                              << TextOf(solid);
       position = result.points.at(c);
       for (std::size_t k = 0; k < 3; ++k) {
-        const double given = solid.points[static_cast<std::size_t>(c)][k];
+        const auto given = static_cast<double>(solid.points[static_cast<std::size_t>(c)][k]);
         EXPECT_LE(std::abs(position[k] - given), 4.001 * rounding.Of(given));
       }
     }
@@ -173,7 +175,9 @@ TEST(JoinFlatProperties, WhatIsAcceptedAsItComesIsAcceptedJoined) {
     const double noise = std::pow(10, rounded::Uniform(random, -1, 3));
     for (Place& p : solid.points) {
       if (Below(random, 3) != 0) continue;
-      for (double& x : p) x += noise * rounding.Of(x) * rounded::Uniform(random, -1, 1);
+      for (rounded::Real& x : p) {
+        x += noise * rounding.Of(static_cast<double>(x)) * rounded::Uniform(random, -1, 1);
+      }
     }
     // A triangle is thin: a corner near the edge of the others, on either side.
     for (int k = 0; k < 2; ++k) {
@@ -181,11 +185,11 @@ TEST(JoinFlatProperties, WhatIsAcceptedAsItComesIsAcceptedJoined) {
       const double share = rounded::Uniform(random, 0.2, 0.8);
       Place middle{};
       for (std::size_t x = 0; x < 3; ++x) {
-        const double a = solid.points[static_cast<std::size_t>(cut[0])][x],
-                     b = solid.points[static_cast<std::size_t>(cut[1])][x],
-                     c = solid.points[static_cast<std::size_t>(cut[2])][x];
+        const rounded::Real a = solid.points[static_cast<std::size_t>(cut[0])][x],
+                            b = solid.points[static_cast<std::size_t>(cut[1])][x],
+                            c = solid.points[static_cast<std::size_t>(cut[2])][x];
         middle[x] = a + share * (b - a) + std::pow(10, rounded::Uniform(random, -8, -2)) * (c - a) +
-                    rounding.Of(a) * rounded::Uniform(random, -2, 2);
+                    rounding.Of(static_cast<double>(a)) * rounded::Uniform(random, -2, 2);
       }
       const int m = static_cast<int>(solid.points.size());
       solid.points.push_back(middle);

@@ -21,7 +21,9 @@
 
 namespace dynmesh::coplanar::rounded {
 
-using Place = std::array<double, 3>;
+// More exact than the numbers of files, so that what is rounded is the only error.
+using Real = long double;
+using Place = std::array<Real, 3>;
 using Loop = std::vector<int>;
 using Random = std::mt19937;
 
@@ -38,9 +40,7 @@ inline std::size_t Below(Random& random, std::size_t n) {
   return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
 }
 
-inline double Dot(const Place& a, const Place& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+inline Real Dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline Place Cross(const Place& a, const Place& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
@@ -48,7 +48,7 @@ inline Place Minus(const Place& a, const Place& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 inline Place Unit(const Place& a) {
-  const double length = std::sqrt(Dot(a, a));
+  const Real length = std::sqrt(Dot(a, a));
   return {a[0] / length, a[1] / length, a[2] / length};
 }
 inline Place RandomDirection(Random& random) {
@@ -57,7 +57,7 @@ inline Place RandomDirection(Random& random) {
 }
 
 // Twice the area of a triangle along `normal`.
-inline double Turn(const Solid& solid, const Place& normal, int a, int b, int c) {
+inline Real Turn(const Solid& solid, const Place& normal, int a, int b, int c) {
   const auto at = [&](int i) { return solid.points[static_cast<std::size_t>(i)]; };
   return Dot(normal, Cross(Minus(at(b), at(a)), Minus(at(c), at(a))));
 }
@@ -102,7 +102,7 @@ inline void AddFace(Random& random, const Place& normal, const Loop& corners, co
     for (const int c : corners) {
       for (std::size_t k = 0; k < 3; ++k) {
         middle[k] +=
-            solid.points[static_cast<std::size_t>(c)][k] / static_cast<double>(corners.size());
+            solid.points[static_cast<std::size_t>(c)][k] / static_cast<Real>(corners.size());
       }
     }
     const int at = static_cast<int>(solid.points.size());
@@ -126,7 +126,7 @@ inline Solid Polyhedron(Random& random, std::size_t planes) {
       for (std::size_t k = j + 1; k < planes; ++k) {
         const Place jk = Cross(normals[j], normals[k]), ki = Cross(normals[k], normals[i]),
                     ij = Cross(normals[i], normals[j]);
-        const double det = Dot(normals[i], jk);
+        const Real det = Dot(normals[i], jk);
         if (std::abs(det) < 0.02) continue;
         Place p{};
         for (std::size_t x = 0; x < 3; ++x) p[x] = (jk[x] + ki[x] + ij[x]) / det;
@@ -225,7 +225,7 @@ inline void Put(Random& random, Solid& solid) {
   const Place w = Cross(u, v);
   const double scale = std::pow(10, Uniform(random, -3, 3));
   Place offset{};
-  for (double& x : offset) x = scale * Uniform(random, -3, 3);
+  for (Real& x : offset) x = scale * Uniform(random, -3, 3);
   for (Place& p : solid.points) {
     const Place q = p;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -240,7 +240,7 @@ enum class Numbers { kFloats, kSixDigits, kSixDecimals, kDoubles };
 inline io::NumberRounding Round(Numbers numbers, Solid& solid) {
   io::WrittenDigits digits;
   for (Place& p : solid.points) {
-    for (double& x : p) {
+    for (Real& x : p) {
       if (numbers == Numbers::kFloats) {
         x = double{static_cast<float>(x)};
         digits.AddFloat(static_cast<float>(x));
@@ -250,9 +250,9 @@ inline io::NumberRounding Round(Numbers numbers, Solid& solid) {
       const char* const form = numbers == Numbers::kSixDigits     ? "%.6g"
                                : numbers == Numbers::kSixDecimals ? "%.6f"
                                                                   : "%.17g";
-      std::snprintf(text, sizeof(text), form, x);
+      std::snprintf(text, sizeof(text), form, static_cast<double>(x));
       x = std::strtod(text, nullptr) + 0.0;
-      digits.Add(text, x);
+      digits.Add(text, static_cast<double>(x));
     }
   }
   return digits.Rounding();
@@ -272,7 +272,8 @@ inline Soup Shuffled(Random& random, const Solid& solid) {
   for (const std::size_t i : order) {
     const Place& p = solid.points[i];
     soup.id_of[i] = soup.features.size() + 1;
-    soup.features.push_back(Feature::Point(soup.id_of[i], p[0], p[1], p[2]));
+    soup.features.push_back(Feature::Point(soup.id_of[i], static_cast<double>(p[0]),
+                                           static_cast<double>(p[1]), static_cast<double>(p[2])));
   }
   std::vector<Loop> triangles = solid.triangles;
   std::shuffle(triangles.begin(), triangles.end(), random);
