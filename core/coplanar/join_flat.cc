@@ -72,10 +72,6 @@ class FlatJoiner {
 
   JoinedFaces Run() {
     Start();
-    if (IsNothingToDo()) {
-      result_.features = std::move(features_);
-      return std::move(result_);
-    }
     for (int round = 0; options_.join; ++round) {
       if (round == kMostRounds) {
         options_.join = false;
@@ -121,14 +117,6 @@ class FlatJoiner {
     }
     is_lone_ = options_.join ? LoneFaces(positions_, roundings_, faces_)
                              : std::vector<bool>(faces_.size(), true);
-  }
-
-  bool IsNothingToDo() const {
-    if (result_.needles > 0 || result_.cut > 0) return false;
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-      if (!is_lone_[f] || (options_.join && faces_[f].size() > 3)) return false;
-    }
-    return true;
   }
 
   std::function<double(Corner)> Within() const {
@@ -431,9 +419,40 @@ class FlatJoiner {
   std::vector<std::size_t> of_patch_;
 };
 
+// Surely? So it is of most curved surfaces.
+bool IsNothingToDo(const std::vector<Feature>& features, const JoinOptions& options) {
+  absl::flat_hash_map<FeatureId, Corner> corner;
+  std::vector<Point3> positions;
+  std::vector<CornerRing> faces;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    corner.emplace(f.id, static_cast<Corner>(positions.size()));
+    positions.push_back({f.position});
+  }
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPolygon) continue;
+    if (f.rings.front().size() > 3) return false;
+    CornerRing& ring = faces.emplace_back();
+    for (const FeatureId id : f.rings.front()) ring.push_back(corner.at(id));
+  }
+  if (!options.join) return true;
+  std::vector<Vector3> roundings;
+  for (const Point3& p : positions) {
+    Vector3& rounding = roundings.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) rounding[k] = options.rounding(p.c[k]);
+  }
+  const std::vector<bool> lone = LoneFaces(positions, roundings, faces);
+  return std::find(lone.begin(), lone.end(), false) == lone.end();
+}
+
 }  // namespace
 
 JoinedFaces JoinFlat(std::vector<Feature> features, const JoinOptions& options) {
+  if (IsNothingToDo(features, options)) {
+    JoinedFaces joined;
+    joined.features = std::move(features);
+    return joined;
+  }
   return FlatJoiner(std::move(features), options).Run();
 }
 

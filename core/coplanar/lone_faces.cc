@@ -82,6 +82,9 @@ std::vector<bool> LoneFaces(const std::vector<Point3>& positions,
     });
   };
   std::vector<bool> lone(faces.size(), true);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (!faces[f].empty() && !(planes[f].width > kBeyond * planes[f].rounding)) lone[f] = false;
+  }
   for (Corner c = 0; c < positions.size(); ++c) {
     const auto begin = edges.begin() + static_cast<std::ptrdiff_t>(first[c]);
     const auto end = edges.begin() + static_cast<std::ptrdiff_t>(first[c + 1]);

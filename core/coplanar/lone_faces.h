@@ -10,8 +10,9 @@
 
 namespace dynmesh::coplanar {
 
-// By face. Neighbours have an edge in common that no third face has. Faces may be empty. Expected
-// O(corners). Pure, thread-safe.
+// By face. Neighbours have an edge in common that no third face has. A face that may be within the
+// rounding of a line is not lone. Faces may be empty. The order of corners does not matter.
+// Expected O(corners). Pure, thread-safe.
 std::vector<bool> LoneFaces(const std::vector<geometry::Point3>& positions,
                             const std::vector<geometry::Vector3>& roundings,
                             const std::vector<CornerRing>& faces);
