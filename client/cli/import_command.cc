@@ -45,7 +45,7 @@ struct ImportCommand {
   std::optional<double> tolerance, feature_angle, within;
   bool clean = false;
   bool polygons = false;
-  bool join_flat = false;
+  bool keep_facets = false;
   std::uint64_t max_steps = 0;
   bool all = false;
   bool json = false;
@@ -256,7 +256,7 @@ int Run(const ImportCommand& command) {
   if (const absl::Status status = CheckFlags(command); !status.ok()) return ReportError(status);
   InputFlags reading;
   reading.polygons = command.polygons;
-  reading.join_flat = command.join_flat;
+  reading.keep_facets = command.keep_facets;
   if (const io::Format* const format = io::FindFormat(command.output); format != nullptr) {
     reading.holes_of_polygons = format->Is(io::kKeepsPolygonHoles);
   }
@@ -346,8 +346,9 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--polygons", command->polygons,
                 "Polygons of a map become polygon features, not segments");
   sub->add_flag(
-      "--join-flat", command->join_flat,
-      "Of a surface file, without --clean: join faces in one plane, as `mesh` does with this flag");
+      "--keep-facets", command->keep_facets,
+      "Of a surface file, without --clean: do not join faces in one plane, as `mesh` with this "
+      "flag");
   sub->add_option("--tolerance", command->tolerance,
                   "Points nearer to each other than this are merged (default: 4 times, in 3D 8 "
                   "times, what a mesh refuses as too close)")

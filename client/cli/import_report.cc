@@ -78,6 +78,16 @@ JsonObject ImportSummary::ToJson() const {
   object.Add("summary", true);
   for (const Count& c : counts_) object.Add(Concat(c.what, "_read"), c.before);
   for (const Count& c : counts_) object.Add(c.what, c.after);
+  if (surface_) {
+    object.Add("points_made_one", surface_->points)
+        .Add("faces_twice", surface_->faces_twice)
+        .Add("faces_without_area", surface_->faces_without_area)
+        .Add("faces_cut", surface_->cut)
+        .Add("faces_joined", surface_->joined)
+        .Add("polygons_of_joined", surface_->polygons)
+        .Add("corners_moved", surface_->moved)
+        .Add("most_moved", surface_->most_moved);
+  }
   object.Add("cleaned", is_cleaned());
   if (!is_cleaned()) return object;
   object.Add("rings_closed", rings_.closed)

@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/json.h"
+#include "core/io/formats/geometry.h"
 #include "core/io/maps/mended_rings.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -47,6 +48,8 @@ class ImportSummary {
   void AddCleaning(std::vector<std::string> names, double tolerance, int rounds, double seconds);
   // Rings of a map that were mended when it was read.
   void AddRings(const io::MendedRings& rings) { rings_ = rings; }
+  // Faces of a surface file were joined when it was read.
+  void AddSurface(const io::SurfaceCounts& surface) { surface_ = surface; }
   // `step`: how far something moved.
   void AddChange(std::size_t kind, double step);
 
@@ -67,6 +70,7 @@ class ImportSummary {
   std::vector<Count> counts_;
   std::vector<Changes> changes_;  // by kind
   io::MendedRings rings_;
+  std::optional<io::SurfaceCounts> surface_;
   double largest_step_ = 0;
   double tolerance_ = 0;
   int rounds_ = 0;

@@ -199,6 +199,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     result.features = input.features;
   }
   summary.AddCounts(input.features, result.features);
+  if (input.surface) summary.AddSurface(*input.surface);
   if (auto status = Write(command, input, result.features, labels); !status.ok()) {
     return ReportError(status);
   }

@@ -51,10 +51,11 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
   command.add_flag(
-      "--join-flat", flags.join_flat,
+      "--keep-facets", flags.keep_facets,
       Concat("Of a ", io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); }),
-             ": faces in one plane within the rounding of the file's numbers become "
-             "one polygon; their corners move onto the plane, by 4 roundings at most"));
+             ": keep faces as they are. Otherwise those in one plane within the rounding of the "
+             "file's numbers become one polygon, whose corners move onto the plane, by 4 roundings "
+             "at most"));
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
                        "Of 3D input: join faces that lie in one plane and share edges");

@@ -31,7 +31,7 @@ struct InputFlags : io::GeometryOptions {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
 };
-// --join-flat, --merge-coplanar, --coplanar-tolerance and --polygons.
+// --keep-facets, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of

@@ -95,15 +95,18 @@ class Finder {
   }
 
   std::vector<FlatRegion> RunRounded(const std::vector<geometry::Vector3>& roundings,
+                                     const std::vector<std::size_t>& groups,
                                      const std::vector<bool>& stay) {
     std::vector<FlatRegion> found;
     is_rounded_ = true;
+    groups_ = &groups;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (stay[f]) state_[f] = {true, false, 0, {}};
     }
     for (const std::size_t seed : LargestFirst()) {
       if (state_[seed].taken) continue;
       ++region_;
+      group_ = groups[seed];
       std::optional<FlatRegion> region = GrowRounded(seed, roundings);
       if (region) found.push_back(*std::move(region));
     }
@@ -204,10 +207,12 @@ class Finder {
     return kept_.corners[c] || std::any_of(faces_at_[c].begin(), faces_at_[c].end(),
                                            [&](std::size_t f) { return IsOther(plane, f); });
   }
-  // Is it in another plane, or in a region of another one?
+  // Is it in another plane, or in a region of another one, or of another group?
   bool IsOther(const RegionPlane& plane, std::size_t f) const {
-    return !IsIn(plane, f) || (is_rounded_ && state_[f].taken && state_[f].region != region_);
+    return !IsIn(plane, f) || IsOfOtherGroup(f) ||
+           (is_rounded_ && state_[f].taken && state_[f].region != region_);
   }
+  bool IsOfOtherGroup(std::size_t f) const { return groups_ != nullptr && (*groups_)[f] != group_; }
   bool IsNeeded(const CornerPair& edge, const RegionPlane& plane) const {
     if (std::binary_search(kept_.edges.begin(), kept_.edges.end(), edge)) return true;
     const std::span<const Use> uses = UsesOf(edge);
@@ -268,7 +273,7 @@ class Finder {
   }
 
   // The corners of the faces, in their order.
-  std::vector<Point3> CornersOf(const std::vector<std::size_t>& faces) const {
+  std::vector<Corner> CornersOf(const std::vector<std::size_t>& faces) const {
     std::vector<Corner> corners;
     for (const std::size_t f : faces) {
       for (const CornerRing& ring : faces_[f]) {
@@ -277,7 +282,7 @@ class Finder {
     }
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    return PositionsOf(corners);
+    return corners;
   }
 
   std::optional<FlatRegion> GrowRounded(std::size_t seed,
@@ -293,7 +298,8 @@ class Finder {
     std::optional<FlatRegion> region;
     constexpr int kMostTurns = 12;
     for (int turn = 0;; ++turn) {
-      const PlaneFit fit(CornersOf(faces), area);
+      const std::vector<Corner> corners = CornersOf(faces);
+      const PlaneFit fit(PositionsOf(corners), area, RoundingsAlong(area, corners, roundings));
       const bool is_last = turn >= kMostTurns;
       const RegionPlane plane =
           is_last ? RegionPlane(fit, roundings, kBand, 0) : RegionPlane(fit, roundings, 1.5, 1.5);
@@ -330,7 +336,8 @@ class Finder {
     for (std::size_t k = 0; k < region.faces.size(); ++k) {
       for (const std::size_t i : uses_of_[region.faces[k]]) {
         const Use* const other = Other(i);
-        if (other == nullptr || state_[other->face].taken || !IsIn(plane, other->face)) continue;
+        if (other == nullptr || state_[other->face].taken || IsOfOtherGroup(other->face)) continue;
+        if (!IsIn(plane, other->face)) continue;
         if (tolerance > 0 && state_[other->face].exact_only) continue;
         sides = SidesOf(other->face, view);
         if (!sides) continue;
@@ -408,6 +415,8 @@ class Finder {
   absl::flat_hash_map<Corner, std::vector<Corner>> segments_at_;
   bool is_rounded_ = false;
   std::size_t region_ = 0;  // the number of the growing one
+  const std::vector<std::size_t>* groups_ = nullptr;
+  std::size_t group_ = 0;  // of the growing one
 };
 
 }  // namespace
@@ -429,10 +438,34 @@ FlatRegions FindFlatRegions(const std::vector<Point3>& positions,
 
 std::vector<FlatRegion> FindRoundedRegions(const std::vector<Point3>& positions,
                                            const std::vector<geometry::Vector3>& roundings,
-                                           const std::vector<FaceRings>& faces, const Kept& kept,
+                                           const std::vector<CornerRing>& faces, const Kept& kept,
+                                           const std::vector<std::size_t>& groups,
                                            const std::vector<bool>& stay) {
+  // What stays matters only at the corners of what does not.
+  std::vector<bool> is_near(positions.size(), false);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (stay[f]) continue;
+    for (const Corner c : faces[f]) is_near[c] = true;
+  }
+  std::vector<std::size_t> chosen, their_groups;
+  std::vector<FaceRings> their_faces;
+  std::vector<bool> they_stay;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (std::none_of(faces[f].begin(), faces[f].end(), [&](Corner c) { return is_near[c]; })) {
+      continue;
+    }
+    chosen.push_back(f);
+    their_faces.push_back(Canonical({faces[f]}));
+    their_groups.push_back(groups[f]);
+    they_stay.push_back(stay[f]);
+  }
   const Thickness none;
-  return Finder(positions, faces, kept, 0, none).RunRounded(roundings, stay);
+  std::vector<FlatRegion> regions =
+      Finder(positions, their_faces, kept, 0, none).RunRounded(roundings, their_groups, they_stay);
+  for (FlatRegion& region : regions) {
+    for (std::size_t& f : region.faces) f = chosen[f];
+  }
+  return regions;
 }
 
 }  // namespace dynmesh::coplanar

@@ -66,11 +66,13 @@ FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& positions,
 
 // The same for positions that were rounded by up to `roundings`, along each axis. A region has all
 // its corners within kBand roundings of its own plane, that of least squares. It grows from its
-// largest face in turns, each with the plane of what there is. Faces that `stay` are in none.
+// largest face in turns, each with the plane of what there is. Faces that `stay` are in none; those
+// of a region are of one group. Each face is a ring, which may be empty: then it stays.
 inline constexpr double kBand = 4;
 std::vector<FlatRegion> FindRoundedRegions(const std::vector<geometry::Point3>& positions,
                                            const std::vector<geometry::Vector3>& roundings,
-                                           const std::vector<FaceRings>& faces, const Kept& kept,
+                                           const std::vector<CornerRing>& faces, const Kept& kept,
+                                           const std::vector<std::size_t>& groups,
                                            const std::vector<bool>& stay);
 
 }  // namespace dynmesh::coplanar

@@ -1,11 +1,17 @@
 #include "core/coplanar/flatten.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "core/base/rounding.h"
 #include "core/coplanar/facet_rings.h"
+#include "core/coplanar/flatten_system.h"
 #include "core/coplanar/plane_fit.h"
 #include "core/geometry/space_predicates.h"
 
@@ -16,68 +22,86 @@ using geometry::Vector3;
 
 namespace {
 
-constexpr int kMostTurns = 600;
-constexpr std::size_t kMostSteps = 20'000'000;  // of corners
-// Of heights, in ulps of the patch's largest coordinate: corners that are nearer do not move;
-// patches that are farther off are not flat.
-constexpr double kStill = 1, kFlat = 12;
+constexpr int kMostTurns = 8, kMostStepsOfTurn = 400;
+constexpr std::size_t kMostSteps = 200'000'000;  // of corners
+// From here on all that is not flat stays, not only what is farthest off.
+constexpr int kPatience = 16;
+// Of heights, in ulps of the patch's largest coordinate: patches that are nearer stay; patches that
+// are farther off are not flat.
+constexpr double kStill = 1.5, kFlat = 12;
+// How far coordinates of one value may be from it, in roundings: each is within one of what was
+// meant.
+constexpr double kOneValue = 2;
 
 class Flattener {
  public:
   Flattener(const std::vector<FaceRings>& patches, const std::vector<Vector3>& roundings,
             const std::vector<Point3>& positions)
-      : roundings_(roundings), before_(positions), patches_(patches.size()), at_(positions.size()) {
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      Patch& patch = patches_[i];
-      std::set<Corner> corners;
-      std::size_t largest = 0;
-      double area = -1;
-      std::vector<PointRing> rings;
-      for (const CornerRing& ring : patches[i]) {
-        PointRing& points = rings.emplace_back();
-        for (const Corner c : ring) points.push_back(positions[c]);
-        corners.insert(ring.begin(), ring.end());
-        const Vector3 vector = AreaVector(points);
-        const double size = geometry::Dot(vector, vector);
-        if (size <= area) continue;
-        area = size;
-        largest = rings.size() - 1;
-        patch.normal = vector;
-      }
-      patch.area = area;
-      patch.corners.assign(corners.begin(), corners.end());
-      double magnitude = 0;
-      for (const Corner c : patch.corners) {
-        at_[c].push_back(i);
-        for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, std::abs(positions[c][k]));
-      }
-      patch.ulp = magnitude > 0 ? UlpOf(magnitude) : 0;
-      patch.is_exact = IsExact(rings[largest], patch.corners);
-    }
+      : roundings_(roundings),
+        before_(positions),
+        positions_(positions),
+        patches_(patches.size()),
+        at_(positions.size()),
+        number_(positions.size(), kNone) {
+    for (std::size_t i = 0; i < patches.size(); ++i) Read(patches[i], i);
   }
 
   std::vector<std::size_t> Run(std::vector<Point3>& positions) {
-    std::vector<std::size_t> bad;
-    for (const bool keeps_planes : {true, false}) {
-      positions_ = before_;
-      keeps_planes_ = keeps_planes;
-      Pull();
-      bad = Bad();
-      if (!bad.empty()) continue;
-      positions = positions_;
-      break;
+    std::vector<std::size_t> dropped;
+    for (std::vector<std::size_t>& group : Groups()) {
+      const std::vector<std::size_t> bad = FlattenGroup(std::move(group));
+      dropped.insert(dropped.end(), bad.begin(), bad.end());
     }
-    return bad;
+    std::sort(dropped.begin(), dropped.end());
+    if (dropped.empty()) positions = std::move(positions_);
+    return dropped;
   }
 
  private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
   struct Patch {
     std::vector<Corner> corners;
     Vector3 normal{};
     double area = 0, ulp = 0;
     bool is_exact = false;
-    bool is_due = true;
+    // A plane that is kept: of one coordinate, or as it is.
+    bool is_fixed = false;
+    std::optional<std::size_t> axis;
+    double value = 0;
+    double off = 0;  // in ulps
+    bool is_dropped = false;
   };
+
+  void Read(const FaceRings& faces, std::size_t i) {
+    Patch& patch = patches_[i];
+    std::vector<PointRing> rings;
+    std::size_t largest = 0;
+    patch.area = -1;
+    for (const CornerRing& ring : faces) {
+      PointRing& points = rings.emplace_back();
+      for (const Corner c : ring) points.push_back(before_[c]);
+      patch.corners.insert(patch.corners.end(), ring.begin(), ring.end());
+      const Vector3 vector = AreaVector(points);
+      const double size = geometry::Dot(vector, vector);
+      if (size <= patch.area) continue;
+      patch.area = size;
+      largest = rings.size() - 1;
+      patch.normal = vector;
+    }
+    std::sort(patch.corners.begin(), patch.corners.end());
+    patch.corners.erase(std::unique(patch.corners.begin(), patch.corners.end()),
+                        patch.corners.end());
+    double magnitude = 0;
+    for (const Corner c : patch.corners) {
+      at_[c].push_back(i);
+      for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, std::abs(before_[c][k]));
+    }
+    patch.ulp = magnitude > 0 ? UlpOf(magnitude) : 0;
+    patch.is_exact = IsExact(rings[largest], patch.corners);
+    FindAxis(patch);
+    patch.is_fixed = patch.is_exact || patch.axis;
+  }
 
   bool IsExact(const PointRing& ring, const std::vector<Corner>& corners) const {
     const auto view = ViewOf(ring);
@@ -88,78 +112,272 @@ class Flattener {
     });
   }
 
-  static std::vector<Point3> Of(const std::vector<Corner>& corners,
-                                const std::vector<Point3>& positions) {
+  // Is it a plane of one coordinate, within rounding? Its value is the one that most corners have,
+  // of several that in the middle.
+  void FindAxis(Patch& patch) const {
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+      if (std::abs(patch.normal[k]) > std::abs(patch.normal[axis])) axis = k;
+    }
+    std::vector<double> values;
+    for (const Corner c : patch.corners) values.push_back(before_[c].c[axis]);
+    std::sort(values.begin(), values.end());
+    const double middle = values.front() + (values.back() - values.front()) / 2;
+    std::ptrdiff_t most = 0;
+    double value = middle;
+    for (auto from = values.begin(); from != values.end();) {
+      const auto to = std::upper_bound(from, values.end(), *from);
+      if (to - from > most ||
+          (to - from == most && std::abs(*from - middle) < std::abs(value - middle))) {
+        most = to - from;
+        value = *from;
+      }
+      from = to;
+    }
+    for (const Corner c : patch.corners) {
+      if (!(std::abs(before_[c].c[axis] - value) <= kOneValue * roundings_[c][axis])) return;
+    }
+    patch.axis = axis;
+    patch.value = value;
+  }
+
+  // Patches with common corners.
+  std::vector<std::vector<std::size_t>> Groups() const {
+    std::vector<std::size_t> root(patches_.size());
+    std::iota(root.begin(), root.end(), std::size_t{0});
+    const auto root_of = [&](std::size_t i) {
+      while (root[i] != i) i = root[i] = root[root[i]];
+      return i;
+    };
+    for (const std::vector<std::size_t>& patches : at_) {
+      for (const std::size_t i : patches) {
+        const std::size_t a = root_of(patches.front()), b = root_of(i);
+        root[std::max(a, b)] = std::min(a, b);
+      }
+    }
+    std::vector<std::vector<std::size_t>> groups;
+    std::vector<std::size_t> group_of(patches_.size(), kNone);
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+      std::size_t& group = group_of[root_of(i)];
+      if (group == kNone) {
+        group = groups.size();
+        groups.emplace_back();
+      }
+      groups[group].push_back(i);
+    }
+    return groups;
+  }
+
+  // Returns those that cannot be flat, and places the corners of the others.
+  std::vector<std::size_t> FlattenGroup(std::vector<std::size_t> group) {
+    std::vector<std::size_t> dropped;
+    for (int round = 0; !group.empty(); ++round) {
+      Solve(group);
+      std::vector<std::size_t> bad = Bad(group, round >= kPatience);
+      if (bad.empty()) break;
+      if (Release(bad)) continue;
+      for (const std::size_t i : bad) patches_[i].is_dropped = true;
+      dropped.insert(dropped.end(), bad.begin(), bad.end());
+      for (const std::size_t i : bad) {
+        for (const Corner c : patches_[i].corners) positions_[c] = before_[c];
+      }
+      std::erase_if(group, [&](std::size_t i) { return patches_[i].is_dropped; });
+    }
+    return dropped;
+  }
+
+  // Lets go the planes that are kept at the corners of patches; false if there is none.
+  bool Release(const std::vector<std::size_t>& bad) {
+    bool any = false;
+    for (const std::size_t i : bad) {
+      for (const Corner c : patches_[i].corners) {
+        for (const std::size_t other : at_[c]) {
+          Patch& patch = patches_[other];
+          if (!patch.is_fixed || patch.is_dropped) continue;
+          patch.is_fixed = false;
+          any = true;
+        }
+      }
+    }
+    return any;
+  }
+
+  // ---- the motion of a group
+
+  // Puts corners into planes of one coordinate. Returns what may move.
+  std::vector<Vector3> Start(const std::vector<std::size_t>& group,
+                             const std::vector<Corner>& corners) {
+    std::vector<Vector3> weights;
+    for (const Corner c : corners) {
+      positions_[c] = before_[c];
+      weights.push_back(roundings_[c]);
+    }
+    std::vector<std::size_t> order = group;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+      return patches_[i].area > patches_[j].area;
+    });
+    for (const std::size_t i : order) {
+      Patch& patch = patches_[i];
+      if (!patch.is_fixed || !patch.axis) continue;
+      const std::size_t k = *patch.axis;
+      const bool agrees = std::all_of(patch.corners.begin(), patch.corners.end(), [&](Corner c) {
+        return weights[number_[c]][k] > 0 || positions_[c].c[k] == patch.value;
+      });
+      if (!agrees) {  // with a larger one
+        patch.axis.reset();
+        patch.is_fixed = patch.is_exact;
+        continue;
+      }
+      for (const Corner c : patch.corners) {
+        positions_[c].c[k] = patch.value;
+        weights[number_[c]][k] = 0;
+      }
+    }
+    return weights;
+  }
+
+  std::vector<Point3> CornersOf(const Patch& patch, const std::vector<Point3>& positions) const {
     std::vector<Point3> points;
-    for (const Corner c : corners) points.push_back(positions[c]);
+    for (const Corner c : patch.corners) points.push_back(positions[c]);
     return points;
   }
 
   PlaneFit PlaneOf(const Patch& patch) const {
-    const bool is_kept = keeps_planes_ && patch.is_exact;
-    return PlaneFit(Of(patch.corners, is_kept ? before_ : positions_), patch.normal);
+    return PlaneFit(CornersOf(patch, positions_), patch.normal);
   }
 
-  void Pull() {
-    for (Patch& patch : patches_) patch.is_due = true;
-    std::size_t steps = 0;
-    for (int turn = 0; turn < kMostTurns && steps < kMostSteps; ++turn) {
-      bool any = false;
-      for (Patch& patch : patches_) {
-        if (!patch.is_due) continue;
-        patch.is_due = false;
-        steps += patch.corners.size();
-        const PlaneFit plane = PlaneOf(patch);
-        const Vector3& n = plane.normal();
-        for (const Corner c : patch.corners) {
-          const double height = plane.Height(positions_[c]);
-          if (!(std::abs(height) > kStill * patch.ulp)) continue;
-          // To the plane, along the way that is shortest in roundings.
-          Vector3 way{};
-          double along = 0;
-          for (std::size_t k = 0; k < 3; ++k) {
-            way[k] = roundings_[c][k] * roundings_[c][k] * n[k];
-            along += way[k] * n[k];
-          }
-          if (!(along > 0)) continue;
-          for (std::size_t k = 0; k < 3; ++k) positions_[c].c[k] -= height / along * way[k];
-          any = true;
-          for (const std::size_t other : at_[c]) patches_[other].is_due = true;
-        }
-      }
-      if (!any) return;
-    }
+  bool IsInAxis(const Patch& patch) const {
+    return patch.axis && std::all_of(patch.corners.begin(), patch.corners.end(), [&](Corner c) {
+             return positions_[c].c[*patch.axis] == patch.value;
+           });
   }
 
-  std::vector<std::size_t> Bad() const {
-    std::set<std::size_t> bad;
-    // Of corners that went too far, the smallest patch.
-    for (Corner c = 0; c < at_.size(); ++c) {
-      bool is_far = false;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double moved = std::abs(positions_[c].c[k] - before_[c].c[k]);
-        is_far = is_far || !(moved <= kMostRoundings * roundings_[c][k]);
-      }
-      if (!is_far || at_[c].empty()) continue;
-      bad.insert(*std::min_element(at_[c].begin(), at_[c].end(), [&](std::size_t p, std::size_t q) {
-        return patches_[p].area != patches_[q].area ? patches_[p].area < patches_[q].area : p < q;
-      }));
+  // How far it is off its plane, in ulps.
+  double OffOf(const Patch& patch) const {
+    if (IsInAxis(patch)) return 0;
+    const PlaneFit plane = PlaneOf(patch);
+    double off = 0;
+    for (const Corner c : patch.corners) {
+      off = std::max(off, std::abs(plane.Height(positions_[c])) / patch.ulp);
     }
-    if (!bad.empty()) return {bad.begin(), bad.end()};
-    std::vector<double> off(patches_.size());
-    double worst = kFlat;
-    for (std::size_t i = 0; i < patches_.size(); ++i) {
+    return off;
+  }
+
+  double Measure(const std::vector<std::size_t>& group) {
+    double worst = 0;
+    for (const std::size_t i : group) {
+      patches_[i].off = OffOf(patches_[i]);
+      worst = std::max(worst, patches_[i].off);
+    }
+    return worst;
+  }
+
+  void Solve(const std::vector<std::size_t>& group) {
+    std::vector<Corner> corners;
+    for (const std::size_t i : group) {
+      corners.insert(corners.end(), patches_[i].corners.begin(), patches_[i].corners.end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (std::size_t i = 0; i < corners.size(); ++i) number_[corners[i]] = i;
+    const std::vector<Vector3> weights = Start(group, corners);
+    double least = Measure(group);
+    std::vector<Point3> best = CornersAt(corners);
+    for (int turn = 0, fails = 0; turn < kMostTurns && least > kStill && fails < 2; ++turn) {
+      Turn(group, corners, weights);
+      const double worst = Measure(group);
+      if (worst < least) {
+        fails = worst < least / 2 ? 0 : fails + 1;
+        least = worst;
+        best = CornersAt(corners);
+      } else {
+        ++fails;
+      }
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i) positions_[corners[i]] = best[i];
+    Measure(group);
+  }
+
+  std::vector<Point3> CornersAt(const std::vector<Corner>& corners) const {
+    std::vector<Point3> points;
+    for (const Corner c : corners) points.push_back(positions_[c]);
+    return points;
+  }
+
+  void Turn(const std::vector<std::size_t>& group, const std::vector<Corner>& corners,
+            const std::vector<Vector3>& weights) {
+    FlattenSystem system(weights);
+    double enough = std::numeric_limits<double>::infinity();
+    for (const std::size_t i : group) {
       const Patch& patch = patches_[i];
-      const PlaneFit plane(Of(patch.corners, positions_), patch.normal);
+      if (IsInAxis(patch) && patch.is_fixed) continue;  // its corners cannot leave it
+      double scale = 0;
+      const bool is_fixed = patch.is_fixed;
+      const PlaneFit plane =
+          is_fixed ? PlaneFit(CornersOf(patch, before_), patch.normal) : PlaneOf(patch);
+      std::vector<FlattenSystem::Row> rows;
       for (const Corner c : patch.corners) {
-        off[i] = std::max(off[i], std::abs(plane.Height(positions_[c])) / patch.ulp);
+        const std::array<double, 2> place = plane.PlaceOf(positions_[c]);
+        // A plane that is kept is where its corners were, to the last bit.
+        const double height =
+            is_fixed
+                ? geometry::Dot(plane.normal(), geometry::Difference(positions_[c].c, before_[c].c))
+                : plane.Height(positions_[c]);
+        rows.push_back({number_[c], place[0], place[1], height});
+        scale = std::max(scale, RoundingAlong(plane.normal(), roundings_[c]));
       }
-      worst = std::max(worst, off[i]);
+      if (!(scale > 0)) continue;
+      enough = std::min(enough, patch.ulp / 8 / scale);
+      system.AddPatch(plane.normal(), std::move(rows), scale, is_fixed);
     }
-    for (std::size_t i = 0; i < off.size(); ++i) {
-      if (off[i] > kFlat && off[i] > worst / 2) bad.insert(i);
+    if (system.size() == 0) return;
+    const int most_steps = static_cast<int>(std::min<std::size_t>(
+        kMostStepsOfTurn,
+        (kMostSteps - std::min(kMostSteps, steps_)) / (system.size() * kMostTurns)));
+    const std::vector<Vector3> motions = system.Solve(enough, most_steps);
+    steps_ += system.size() * static_cast<std::size_t>(most_steps);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) positions_[corners[i]].c[k] += motions[i][k];
     }
-    return {bad.begin(), bad.end()};
+  }
+
+  // Of corners that went too far the smallest patch; if none did, the patches that are farthest
+  // off, or `all` that are.
+  std::vector<std::size_t> Bad(const std::vector<std::size_t>& group, bool all) const {
+    std::vector<std::size_t> bad;
+    double worst = kFlat;
+    for (const std::size_t i : group) {
+      worst = std::max(worst, patches_[i].off);
+      for (const Corner c : patches_[i].corners) {
+        if (IsFar(c) && (all || SmallestAt(c) == i)) bad.push_back(i);
+      }
+    }
+    if (bad.empty() || all) {
+      for (const std::size_t i : group) {
+        const double off = patches_[i].off;
+        if (off > kFlat && (all || off > worst / 2)) bad.push_back(i);
+      }
+    }
+    std::sort(bad.begin(), bad.end());
+    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+    return bad;
+  }
+
+  bool IsFar(Corner c) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double moved = std::abs(positions_[c].c[k] - before_[c].c[k]);
+      if (!(moved <= kMostRoundings * roundings_[c][k])) return true;
+    }
+    return false;
+  }
+
+  std::size_t SmallestAt(Corner c) const {
+    std::size_t smallest = kNone;
+    for (const std::size_t i : at_[c]) {
+      if (patches_[i].is_dropped) continue;
+      if (smallest == kNone || patches_[i].area < patches_[smallest].area) smallest = i;
+    }
+    return smallest;
   }
 
   const std::vector<Vector3>& roundings_;
@@ -167,7 +385,8 @@ class Flattener {
   std::vector<Point3> positions_;
   std::vector<Patch> patches_;
   std::vector<std::vector<std::size_t>> at_;  // patches, by corner
-  bool keeps_planes_ = true;
+  std::vector<std::size_t> number_;           // of corners, in their group
+  std::size_t steps_ = 0;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "core/coplanar/cut_face.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/flatten.h"
+#include "core/coplanar/lone_faces.h"
 #include "core/coplanar/needles.h"
 #include "core/coplanar/plane_fit.h"
 #include "core/coplanar/straight_corners.h"
@@ -25,14 +26,16 @@ using geometry::Vector3;
 
 namespace {
 
-constexpr int kMostRounds = 48;
+// In which faces stay, until all do.
+constexpr int kMostRounds = 12;
 // What a mesh allows (core/plc/facet_rules.h), less something.
 constexpr double kFlatEnough = 0.9e-9;
 
 class FlatJoiner {
  public:
-  FlatJoiner(const std::vector<Feature>& features, const JoinOptions& options)
-      : features_(features), options_(options) {
+  FlatJoiner(std::vector<Feature> given, const JoinOptions& options)
+      : features_(std::move(given)), options_(options) {
+    const std::vector<Feature>& features = features_;
     for (std::size_t i = 0; i < features.size(); ++i) {
       last_ = std::max(last_, features[i].id);
       if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
@@ -49,14 +52,14 @@ class FlatJoiner {
     named_before_.assign(positions_.size(), false);
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kPolygon) continue;
-      CornerRing& ring = faces_.emplace_back();
+      CornerRing& ring = given_.emplace_back();
       for (const FeatureId id : f.rings.front()) {
         ring.push_back(corner_.at(id));
         named_before_[ring.back()] = true;
       }
-      ids_.push_back(f.id);
-      kept_faces_.push_back(false);
+      given_ids_.push_back(f.id);
     }
+    is_exact_.assign(positions_.size(), false);
     kept_.corners.assign(positions_.size(), false);
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kSegment) continue;
@@ -68,34 +71,58 @@ class FlatJoiner {
   }
 
   JoinedFaces Run() {
-    if (options_.join) {
-      result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
-    }
-    for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
-      if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f);
-    }
-    for (int round = 0;; ++round) {
-      const bool is_last = !options_.join || round == kMostRounds;
-      if (is_last) kept_faces_.assign(faces_.size(), true);
+    Start();
+    for (int round = 0; options_.join; ++round) {
+      if (round == kMostRounds) {
+        options_.join = false;
+        Start();
+        break;
+      }
       MakePatches();
       moved_ = positions_;
-      if (!is_last) {
-        if (const auto bad = Flatten(patches_, roundings_, moved_); !bad.empty()) {
-          for (const std::size_t p : bad) Keep(p);
-          continue;
-        }
+      if (const auto bad = Flatten(patches_, roundings_, moved_); !bad.empty()) {
+        for (const std::size_t p : bad) KeepOutput(of_patch_[p]);
+        continue;
       }
       WriteFeatures();
-      if (is_last || !options_.refused || !KeepRefused()) break;
+      if (!KeepRefused()) break;
+    }
+    if (!options_.join) {
+      kept_faces_.assign(faces_.size(), true);
+      MakePatches();
+      moved_ = positions_;
+      WriteFeatures();
     }
     Count();
     return std::move(result_);
   }
 
  private:
+  // The faces as they come, without those that have no area, and flat.
+  void Start() {
+    faces_ = given_;
+    ids_ = given_ids_;
+    kept_faces_.assign(faces_.size(), false);
+    groups_.clear();
+    for (const FeatureId id : ids_) groups_.push_back(options_.group ? options_.group(id) : 0);
+    next_id_ = last_ + 1;
+    result_ = {};
+    if (options_.join) {
+      result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
+    }
+    as_given_.clear();
+    for (std::size_t f = 0; f < faces_.size(); ++f) as_given_.push_back(faces_[f] == given_[f]);
+    for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
+      if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f, !options_.join);
+    }
+    is_lone_ = options_.join ? LoneFaces(positions_, roundings_, faces_)
+                             : std::vector<bool>(faces_.size(), true);
+  }
+
   std::function<double(Corner)> Within() const {
     return [this](Corner c) {
-      return 2 * std::max({roundings_[c][0], roundings_[c][1], roundings_[c][2]});
+      const Vector3& rounding = roundings_[c];
+      return is_exact_[c] ? 0 : 2 * std::max({rounding[0], rounding[1], rounding[2]});
     };
   }
 
@@ -106,14 +133,16 @@ class FlatJoiner {
   }
 
   // Is a face of four corners and more within its rounding, or flat enough for a mesh?
-  bool IsFlat(const CornerRing& ring) const {
+  bool IsFlat(const CornerRing& ring) const { return IsFlatAsItIs(ring) || IsRounded(ring); }
+
+  bool IsFlatAsItIs(const CornerRing& ring) const {
     const std::array<PointRing, 1> rings = {PositionsOf(ring)};
     const Vector3 area = AreaVector(rings[0]);
     if (!(geometry::Dot(area, area) > 0)) return true;  // refused by a mesh
     const geometry::FacetBounds bounds = geometry::BoundsOf(rings, geometry::PlaneOf(rings));
     double extent = 0;
     for (int k = 0; k < 3; ++k) extent = std::max(extent, bounds.hi[k] - bounds.lo[k]);
-    return bounds.deviation <= kFlatEnough * extent || IsRounded(ring);
+    return bounds.deviation <= kFlatEnough * extent;
   }
 
   bool IsRounded(const CornerRing& ring) const {
@@ -121,15 +150,15 @@ class FlatJoiner {
     CornerRing sorted = ring;
     std::sort(sorted.begin(), sorted.end());
     const Vector3 area = AreaVector(PositionsOf(ring));
-    const PlaneFit fit(PositionsOf(sorted), area);
+    const PlaneFit fit(PositionsOf(sorted), area, RoundingsAlong(area, sorted, roundings_));
     return std::all_of(sorted.begin(), sorted.end(), [&](Corner c) {
       return std::abs(fit.Height(positions_[c])) <=
              kBand * RoundingAlong(fit.normal(), roundings_[c]);
     });
   }
 
-  // Its triangles are kept faces.
-  void Cut(std::size_t f) {
+  // Into triangles, that are joined as others or are kept.
+  void Cut(std::size_t f, bool is_kept) {
     const std::vector<CornerRing> triangles = CutFace(positions_, faces_[f]);
     if (triangles.empty()) {
       kept_faces_[f] = true;
@@ -139,27 +168,30 @@ class FlatJoiner {
     for (const CornerRing& triangle : triangles) {
       if (&triangle == triangles.data()) {
         faces_[f] = triangle;
-        kept_faces_[f] = options_.join ? was_patch_ : true;
+        kept_faces_[f] = is_kept;
         continue;
       }
       faces_.push_back(triangle);
-      ids_.push_back(++last_);
-      result_.parts.emplace_back(last_, ids_[f]);
-      kept_faces_.push_back(kept_faces_[f]);
+      ids_.push_back(next_id_++);
+      result_.parts.emplace_back(ids_.back(), ids_[f]);
+      kept_faces_.push_back(is_kept);
+      groups_.push_back(groups_[f]);
+      is_lone_.push_back(true);
+      as_given_.push_back(as_given_[f]);
     }
   }
 
   // Joins what is flat, of the faces that are not kept.
   void MakePatches() {
-    std::vector<FaceRings> faces;
     std::vector<bool> stay = kept_faces_;
+    bool any = false;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-      faces.push_back(faces_[f].empty() ? FaceRings{} : Canonical({faces_[f]}));
-      if (faces_[f].empty()) stay[f] = true;
+      if (faces_[f].empty() || is_lone_[f]) stay[f] = true;
+      any = any || !stay[f];
     }
     std::vector<FlatRegion> regions;
-    if (options_.join) {
-      regions = FindRoundedRegions(positions_, roundings_, faces, kept_, stay);
+    if (any) {
+      regions = FindRoundedRegions(positions_, roundings_, faces_, kept_, groups_, stay);
     }
     out_.clear();
     members_.clear();
@@ -175,14 +207,11 @@ class FlatJoiner {
       out_.push_back({faces_[f]});
       members_.push_back({f});
     }
-    if (options_.join) DropStraightCorners(positions_, kept_.corners, out_, Within());
+    if (options_.join) DropStraight();
     // What is to be flat, by coordinates.
     std::map<FaceRings, std::size_t> order;
     for (std::size_t i = 0; i < out_.size(); ++i) {
-      std::size_t corners = 0;
-      for (const CornerRing& ring : out_[i]) corners += ring.size();
-      const bool is_kept = members_[i].size() == 1 && kept_faces_[members_[i].front()];
-      if (corners > 3 && !is_kept) order.emplace(Canonical(out_[i]), i);
+      if (IsPatch(i)) order.emplace(Canonical(out_[i]), i);
     }
     patches_.clear();
     of_patch_.clear();
@@ -192,16 +221,28 @@ class FlatJoiner {
     }
   }
 
-  void Keep(std::size_t patch) { KeepOutput(of_patch_[patch]); }
+  // Triangles keep their corners.
+  void DropStraight() {
+    std::vector<bool> kept = kept_.corners;
+    std::vector<FaceRings> large;
+    std::vector<std::size_t> of_large;
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      if (out_[i].size() > 1 || out_[i].front().size() > 3) {
+        large.push_back(std::move(out_[i]));
+        of_large.push_back(i);
+        continue;
+      }
+      for (const Corner c : out_[i].front()) kept[c] = true;
+    }
+    if (!large.empty()) DropStraightCorners(positions_, kept, large, Within());
+    for (std::size_t k = 0; k < large.size(); ++k) out_[of_large[k]] = std::move(large[k]);
+  }
 
-  // The faces of a polygon stay as they were; a lone one is cut.
+  // The faces of a polygon stay as they were; a lone one is cut if it is not flat.
   void KeepOutput(std::size_t i) {
     for (const std::size_t f : members_[i]) {
       kept_faces_[f] = true;
-      if (faces_[f].size() > 3) {
-        was_patch_ = true;
-        Cut(f);
-      }
+      if (faces_[f].size() > 3 && !IsFlatAsItIs(faces_[f])) Cut(f, true);
     }
   }
 
@@ -226,12 +267,9 @@ class FlatJoiner {
       result_.features.push_back(f);
       result_.features.back().position = moved_[c].c;
     }
-    std::map<FeatureId, std::size_t> by_id;
-    for (std::size_t i = 0; i < out_.size(); ++i) {
-      FeatureId id = ids_[members_[i].front()];
-      for (const std::size_t f : members_[i]) id = std::min(id, ids_[f]);
-      by_id.emplace(id, i);
-    }
+    std::vector<std::pair<FeatureId, std::size_t>> by_id;
+    for (std::size_t i = 0; i < out_.size(); ++i) by_id.emplace_back(IdOfOutput(i), i);
+    std::sort(by_id.begin(), by_id.end());
     for (const auto& [id, i] : by_id) {
       Rings rings;
       for (const CornerRing& ring : out_[i]) {
@@ -242,58 +280,101 @@ class FlatJoiner {
     }
   }
 
-  // With numbers by coordinates as ids, so that the order of the file does not decide what is told
-  // first. True if a polygon is kept as its faces now.
-  bool KeepRefused() {
-    if (patches_.empty()) return false;
-    std::vector<Feature> canonical;
-    for (const std::size_t i : points_) {
-      const auto c = corner_.at(features_[i].id);
-      canonical.push_back(
-          Feature::Point(FeatureId{c} + 1, moved_[c][0], moved_[c][1], moved_[c][2]));
-    }
-    absl::flat_hash_set<FeatureId> present;
-    for (const Feature& f : result_.features) present.insert(f.id);
-    std::erase_if(canonical, [&](const Feature& f) {
-      return !present.contains(IdOf(static_cast<Corner>(f.id - 1)));
+  bool IsMoved(Corner c) const { return !(moved_[c] == positions_[c]); }
+
+  bool IsMoved(const FaceRings& rings) const {
+    return std::any_of(rings.begin(), rings.end(), [&](const CornerRing& ring) {
+      return std::any_of(ring.begin(), ring.end(), [&](Corner c) { return IsMoved(c); });
     });
-    FeatureId id = positions_.size();
-    for (const auto& [p, q] : kept_.edges) {
-      canonical.push_back(Feature::Segment(++id, FeatureId{p} + 1, FeatureId{q} + 1));
+  }
+
+  // Is it other than a face that was given, or its triangles?
+  bool IsChanged(std::size_t i) const {
+    const std::size_t f = members_[i].front();
+    return members_[i].size() > 1 || !as_given_[f] || out_[i].front() != faces_[f] ||
+           IsMoved(out_[i]);
+  }
+
+  // Where something that has changed is in conflict, faces stay as they were given. True if there
+  // are such ones.
+  bool KeepRefused() {
+    if (!options_.conflicts) return false;
+    absl::flat_hash_map<FeatureId, std::size_t> output_of;
+    absl::flat_hash_set<FeatureId> changed;
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      if (!IsChanged(i)) continue;
+      output_of.emplace(IdOfOutput(i), i);
+      changed.insert(IdOfOutput(i));
     }
-    std::vector<std::size_t> order(out_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::vector<FaceRings> keys;
-    for (const FaceRings& rings : out_) keys.push_back(Canonical(rings));
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t i, std::size_t j) { return keys[i] < keys[j]; });
-    const FeatureId first = id + 1;
-    for (const std::size_t i : order) {
-      Rings rings;
-      for (const CornerRing& ring : keys[i]) {
-        std::vector<FeatureId>& corners = rings.emplace_back();
-        for (const Corner c : ring) corners.push_back(FeatureId{c} + 1);
+    for (const Feature& f : result_.features) {
+      if (f.kind == FeatureKind::kPoint && IsMoved(corner_.at(f.id))) changed.insert(f.id);
+      if (f.kind == FeatureKind::kSegment &&
+          (IsMoved(corner_.at(f.ends[0])) || IsMoved(corner_.at(f.ends[1])))) {
+        changed.insert(f.id);
       }
-      canonical.push_back(Feature::Polygon(++id, std::move(rings)));
     }
-    std::vector<bool> blamed(out_.size(), false);
-    for (const FeatureId of : options_.refused(canonical)) {
-      if (of >= first && of <= id) blamed[order[of - first]] = true;
-    }
+    if (changed.empty()) return false;
+    absl::flat_hash_set<FeatureId> blamed;
+    options_.conflicts(
+        result_.features, [&](FeatureId id) { return changed.contains(id); },
+        [&](FeatureId f, FeatureId g) {
+          for (const FeatureId id : {f, g}) {
+            if (changed.contains(id)) blamed.insert(id);
+          }
+        });
+    if (blamed.empty()) return false;
+    // What holds moved corners: all polygons that are to be flat there.
+    std::vector<bool> stays(out_.size(), false), corner_stays(positions_.size(), false);
     bool any = false;
-    for (const std::size_t i : of_patch_) {
-      if (!blamed[i]) continue;
-      const bool is_joined = members_[i].size() > 1;
-      const bool is_moved =
-          std::any_of(out_[i].begin(), out_[i].end(), [&](const CornerRing& ring) {
-            return std::any_of(ring.begin(), ring.end(),
-                               [&](Corner c) { return !(moved_[c] == positions_[c]); });
-          });
-      if (!is_joined && !is_moved) continue;
+    for (const Feature& f : result_.features) {
+      if (!blamed.contains(f.id)) continue;
+      if (f.kind == FeatureKind::kPoint) corner_stays[corner_.at(f.id)] = true;
+      if (f.kind == FeatureKind::kSegment) {
+        for (const FeatureId end : f.ends) corner_stays[corner_.at(end)] = true;
+      }
+      if (f.kind != FeatureKind::kPolygon) continue;
+      const std::size_t i = output_of.at(f.id);
+      stays[i] = true;
+      for (const CornerRing& ring : out_[i]) {
+        for (const Corner c : ring) {
+          if (!IsPatch(i)) corner_stays[c] = true;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      for (const CornerRing& ring : out_[i]) {
+        for (const Corner c : ring) {
+          if (corner_stays[c] && IsMoved(c)) stays[i] = true;
+        }
+      }
+    }
+    for (std::size_t i = 0, n = out_.size(); i < n; ++i) {
+      if (!stays[i] || !IsPatch(i)) continue;
       KeepOutput(i);
       any = true;
     }
-    return any;
+    if (any) return true;
+    // Then faces without area have changed their neighbours.
+    for (Corner c = 0; c < corner_stays.size(); ++c) {
+      any = any || (corner_stays[c] && !is_exact_[c]);
+      if (corner_stays[c]) is_exact_[c] = true;
+    }
+    if (!any) options_.join = false;
+    Start();
+    return true;
+  }
+
+  // Is it to be flat?
+  bool IsPatch(std::size_t i) const {
+    std::size_t corners = 0;
+    for (const CornerRing& ring : out_[i]) corners += ring.size();
+    return corners > 3 && !(members_[i].size() == 1 && kept_faces_[members_[i].front()]);
+  }
+
+  FeatureId IdOfOutput(std::size_t i) const {
+    FeatureId id = ids_[members_[i].front()];
+    for (const std::size_t f : members_[i]) id = std::min(id, ids_[f]);
+    return id;
   }
 
   void Count() {
@@ -312,20 +393,25 @@ class FlatJoiner {
     }
   }
 
-  const std::vector<Feature>& features_;
-  const JoinOptions& options_;
+  std::vector<Feature> features_;
+  JoinOptions options_;
   JoinedFaces result_;
-  FeatureId last_ = 0;
+  FeatureId last_ = 0, next_id_ = 0;
   std::vector<std::size_t> points_;  // in the order of coordinates
   std::vector<Point3> positions_, moved_;
   std::vector<Vector3> roundings_;
   absl::flat_hash_map<FeatureId, Corner> corner_;
   std::vector<bool> named_before_;
   Kept kept_;
+  std::vector<CornerRing> given_;
+  std::vector<FeatureId> given_ids_;
+  std::vector<bool> is_exact_;     // corners at which no line is within rounding
   std::vector<CornerRing> faces_;  // empty: it is gone
   std::vector<FeatureId> ids_;     // of faces
-  std::vector<bool> kept_faces_;   // those that stay as they are
-  bool was_patch_ = false;         // faces that are cut were to be flat
+  std::vector<std::size_t> groups_;
+  std::vector<bool> kept_faces_;  // those that stay as they are
+  std::vector<bool> is_lone_;     // those that are in one plane with no neighbour
+  std::vector<bool> as_given_;    // those that are as without joining, but for motions
   // Of a round: polygons, and their faces; of them those that are to be flat.
   std::vector<FaceRings> out_;
   std::vector<std::vector<std::size_t>> members_;
@@ -333,10 +419,41 @@ class FlatJoiner {
   std::vector<std::size_t> of_patch_;
 };
 
+// Surely? So it is of most curved surfaces.
+bool IsNothingToDo(const std::vector<Feature>& features, const JoinOptions& options) {
+  absl::flat_hash_map<FeatureId, Corner> corner;
+  std::vector<Point3> positions;
+  std::vector<CornerRing> faces;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    corner.emplace(f.id, static_cast<Corner>(positions.size()));
+    positions.push_back({f.position});
+  }
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPolygon) continue;
+    if (f.rings.front().size() > 3) return false;
+    CornerRing& ring = faces.emplace_back();
+    for (const FeatureId id : f.rings.front()) ring.push_back(corner.at(id));
+  }
+  if (!options.join) return true;
+  std::vector<Vector3> roundings;
+  for (const Point3& p : positions) {
+    Vector3& rounding = roundings.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) rounding[k] = options.rounding(p.c[k]);
+  }
+  const std::vector<bool> lone = LoneFaces(positions, roundings, faces);
+  return std::find(lone.begin(), lone.end(), false) == lone.end();
+}
+
 }  // namespace
 
-JoinedFaces JoinFlat(const std::vector<Feature>& features, const JoinOptions& options) {
-  return FlatJoiner(features, options).Run();
+JoinedFaces JoinFlat(std::vector<Feature> features, const JoinOptions& options) {
+  if (IsNothingToDo(features, options)) {
+    JoinedFaces joined;
+    joined.features = std::move(features);
+    return joined;
+  }
+  return FlatJoiner(std::move(features), options).Run();
 }
 
 }  // namespace dynmesh::coplanar

@@ -8,12 +8,12 @@
 //   * Corners move, by kMostRoundings at most, until each polygon is as flat as doubles allow
 //     (flatten.h). Where that does not do for all planes at a corner, faces stay as they were.
 //   * Polygons of four and more corners that are not flat become triangles.
-//   * If a mesh refuses the result for what is joined or has moved, the faces there stay as they
-//     were.
+//   * Where what is joined or has moved is in conflict with other features, the faces stay as they
+//     were; all of them, if conflicts do not end.
 //
 // The polygons are a function of the faces and their coordinates, not of the order of faces,
 // corners and features, nor of the faces' orientation. Only ids depend on ids. Thread-safe. O(n lg
-// n) for n corners, times the rounds in which faces stay.
+// n) for n corners, times the rounds in which faces stay: mostly one to three.
 #ifndef DYNMESH_CORE_COPLANAR_JOIN_FLAT_H_
 #define DYNMESH_CORE_COPLANAR_JOIN_FLAT_H_
 
@@ -26,13 +26,20 @@
 
 namespace dynmesh::coplanar {
 
+// Calls found(f, g) for each pair of `features` in conflict of which `is_looked_at` says yes to one
+// at least; found(f, f) for one that is illegal by itself.
+using Conflicts = std::function<void(const std::vector<Feature>& features,
+                                     const std::function<bool(FeatureId)>& is_looked_at,
+                                     const std::function<void(FeatureId, FeatureId)>& found)>;
+
 struct JoinOptions {
   // How far a coordinate may be from what was meant.
   std::function<double(double coordinate)> rounding;
-  bool join = true;   // false: only what is not flat is cut
-  bool holes = true;  // polygons may have several rings
-  // The features that a mesh blames for a refusal; empty: it takes them. May be null.
-  std::function<std::vector<FeatureId>(const std::vector<Feature>&)> refused;
+  // Faces of different groups are not joined. May be null.
+  std::function<std::size_t(FeatureId)> group;
+  bool join = true;     // false: only what is not flat is cut
+  bool holes = true;    // polygons may have several rings
+  Conflicts conflicts;  // what a mesh refuses; may be null
 };
 
 struct JoinedFaces {
@@ -47,7 +54,7 @@ struct JoinedFaces {
 
 // REQUIRES: each polygon has one ring of three corners or more, all of them points of `features`,
 // no two points at one place. Coordinates are in the domain of the predicates.
-JoinedFaces JoinFlat(const std::vector<Feature>& features, const JoinOptions& options);
+JoinedFaces JoinFlat(std::vector<Feature> features, const JoinOptions& options);
 
 }  // namespace dynmesh::coplanar
 

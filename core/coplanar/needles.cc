@@ -59,12 +59,14 @@ class NeedleDropper {
     }
     const Point3 &from = positions_[ends.first], &to = positions_[ends.second];
     const geometry::Vector3 way = geometry::Difference(to.c, from.c);
+    for (const Corner c : ring) {
+      if (c == ends.first || c == ends.second) continue;
+      const double within = within_(c);
+      if (within > 0 && geometry::DistanceToLine(positions_[c], from, to) <= within) continue;
+      if (!geometry::AreCollinear(from, positions_[c], to)) return {};
+    }
     std::vector<std::pair<double, Corner>> along;
     for (const Corner c : ring) {
-      if (c != ends.first && c != ends.second && !geometry::AreCollinear(from, positions_[c], to)) {
-        const double within = within_(c);
-        if (!(within > 0 && geometry::DistanceToLine(positions_[c], from, to) <= within)) return {};
-      }
       along.emplace_back(geometry::Dot(geometry::Difference(positions_[c].c, from.c), way), c);
     }
     std::sort(along.begin(), along.end());

@@ -41,10 +41,10 @@ class RegionPlane {
 
   bool Contains(Corner c, const geometry::Point3& p) const {
     if (fit_) {
-      const double rounding = RoundingAlong(normal_, (*roundings_)[c]);
-      const double share =
-          share_ + (share_of_plane_ > 0 ? share_of_plane_ * std::min(fit_->ErrorAt(p), 4.0) : 0);
-      return std::abs(fit_->Height(p)) <= share * rounding;
+      const double near = share_ * RoundingAlong(normal_, (*roundings_)[c]);
+      const double height = std::abs(fit_->Height(p));
+      return height <= near ||
+             (share_of_plane_ > 0 && height <= near + share_of_plane_ * fit_->ErrorAt(p));
     }
     if (geometry::Orientation(three_[0], three_[1], three_[2], p) == 0) return true;
     if (!(reach_ > 0)) return false;

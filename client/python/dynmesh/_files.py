@@ -46,7 +46,8 @@ def _edits_of(features: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = False,
-               polygons: bool = False, refine: bool = False) -> FileInput:
+               polygons: bool = False, refine: bool = False,
+               keep_facets: bool = False) -> FileInput:
     """The features in a file; its extension says which format it has.
 
     Raises `InvalidArgument` with file and line for bad content, and with the formats that there are
@@ -58,7 +59,11 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
         merge_coplanar: faces of 3D input that lie in one plane and have one marker are joined.
         polygons: rings of a map are polygons, not segments.
         refine: the file is a mesh to be refined: all its vertices are points.
+        keep_facets: of .off, .stl, .obj and .ply: faces in one plane stay as they are. Otherwise those
+            that are in one plane within the rounding of the file's numbers become one polygon, whose
+            corners move onto the plane, by 4 roundings at most.
     """
-    read = _core.read_input(os.fspath(path), merge_coplanar, polygons, refine)
+    read = _core.read_input(os.fspath(path), merge_coplanar, polygons, refine,
+                            keep_facets)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
                      read["warnings"])

@@ -1,19 +1,21 @@
 // Features from files.
+#include "dynmesh/files.h"
+
 #include <pybind11/stl.h>
 
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "client/python/module/status.h"
-#include "dynmesh/files.h"
 
 namespace dynmesh::python {
 namespace {
 
-py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool refine) {
+py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool refine,
+              bool keep_facets) {
   absl::StatusOr<FileInput> input = absl::UnknownError("");
   {
     py::gil_scoped_release release;
-    input = ReadInput(path, InputChoices{merge_coplanar, polygons, refine});
+    input = ReadInput(path, InputChoices{merge_coplanar, polygons, refine, keep_facets});
   }
   const FileInput file = Value(std::move(input));
   py::list holes;
@@ -33,7 +35,7 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
 
 void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
-             py::arg("refine"));
+             py::arg("refine"), py::arg("keep_facets"));
 }
 
 }  // namespace dynmesh::python

@@ -26,7 +26,8 @@ namespace dynmesh {
 
 // The content of an input file.
 struct FileInput {
-  // Points 1, 2, ..., then segments, then polygons, in file order. Markers (0 left out) and names
+  // Points 1, 2, ..., then segments, then polygons, in file order; joined faces are a polygon with
+  // the least of their ids. Markers (0 left out) and names
   // of groups are their labels; a name that a label cannot have is kept, and BuildMesh refuses it.
   std::vector<Feature> features;
   // The file's options (an edit script), or the usual ones of its dimension and its bounding box.
@@ -43,6 +44,10 @@ struct InputChoices {
   // The file is a mesh to be refined (.node with its .ele, .msh, .mesh, .vtu): all its vertices are
   // points, and largest areas or volumes beside it are sizes. In 3D faces are joined, too.
   bool refine = false;
+  // Of .off, .stl, .obj and .ply: faces in one plane, within the rounding of the file's numbers,
+  // stay as they are. Otherwise those of one marker and name become one polygon, whose corners move
+  // onto the plane, by 4 roundings at most; a warning has the counts.
+  bool keep_facets = false;
 };
 
 // Reads the file at `path` by its extension: .node, .poly, .smesh (Triangle, TetGen), .off, .stl,

@@ -34,6 +34,7 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices&
   io::GeometryOptions reading;
   reading.polygons = choices.polygons;
   reading.refine = choices.refine;
+  reading.keep_facets = choices.keep_facets;
   absl::StatusOr<io::Geometry> geometry = io::ReadGeometry(path, reading);
   if (!geometry.ok()) return geometry.status();
   if (geometry->options.dimension == 3 && (choices.merge_coplanar || choices.refine)) {
@@ -50,7 +51,7 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices&
 }
 
 absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar) {
-  return ReadInput(path, InputChoices{merge_coplanar, false, false});
+  return ReadInput(path, InputChoices{merge_coplanar, false, false, false});
 }
 
 absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path, const FileInput& input) {

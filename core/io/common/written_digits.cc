@@ -113,18 +113,18 @@ NumberRounding WrittenDigits::Rounding() const {
   NumberRounding rounding;
   if (largest_ == 0) return rounding;
   const double last_bit = UlpOf(largest_);
-  if (!is_text_ || digits_ >= kDigitsOfDouble) {
-    // Half of a float's last bit is 2^-24 of its power of two.
-    const bool is_double = is_text_ || is_double_;
-    rounding.least = rounding.most = is_double ? last_bit : std::ldexp(largest_, -24);
+  // Half of a float's last bit is 2^-24 of its power of two.
+  const double bit_of_float = std::ldexp(largest_, -24);
+  if (!is_text_) {
+    rounding.least = rounding.most = is_double_ ? last_bit : bit_of_float;
     return rounding;
   }
   if (decimals_ <= 0) {  // whole numbers are exact
     rounding.least = rounding.most = last_bit;
     return rounding;
   }
-  if (has_floats_ && digits_ >= kMoreThanAFloatNeeds) {
-    rounding.least = rounding.most = std::ldexp(largest_, -24);
+  if (digits_ >= kMoreThanAFloatNeeds && (has_floats_ || digits_ >= kDigitsOfDouble)) {
+    rounding.least = rounding.most = has_floats_ ? bit_of_float : last_bit;
     return rounding;
   }
   rounding.digits = std::max(digits_, kFewestDigits);

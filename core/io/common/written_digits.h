@@ -5,9 +5,9 @@
 // file has, and D the most decimals, a number x in [10^e, 10^(e+1)) is within half of 10^(e+1-S),
 // or of 10^-D if that is more: so both `%.6g` and `%.6f` are told. A file whose numbers are short
 // because they are round (0, 1, 0.5) does not round that much: never more than with six digits of
-// its largest number. With 16 digits and more it has doubles, and numbers of eight and nine digits
-// that all are those of floats are floats: then all are within the last bit of the largest one, as
-// coordinates of such a file were computed with those bits.
+// its largest number. Numbers of eight digits and more that all are those of floats are floats.
+// Else a file with 16 digits and more has doubles. Then all are within the last bit of the largest
+// one, as coordinates of such a file were computed with those bits.
 #ifndef DYNMESH_CORE_IO_COMMON_WRITTEN_DIGITS_H_
 #define DYNMESH_CORE_IO_COMMON_WRITTEN_DIGITS_H_
 

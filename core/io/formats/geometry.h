@@ -3,8 +3,10 @@
 #ifndef DYNMESH_CORE_IO_FORMATS_GEOMETRY_H_
 #define DYNMESH_CORE_IO_FORMATS_GEOMETRY_H_
 
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +24,16 @@
 
 namespace dynmesh::io {
 
+// What was done to the faces of a surface file as it was read (prepare_surface.h).
+struct SurfaceCounts {
+  std::size_t points = 0;  // made one with others
+  std::size_t faces_twice = 0, faces_without_area = 0;
+  std::size_t cut = 0;                   // faces that are not flat, to triangles
+  std::size_t joined = 0, polygons = 0;  // faces in one plane, to so many polygons
+  std::size_t moved = 0;                 // corners, onto planes
+  double most_moved = 0;                 // the largest distance
+};
+
 struct Geometry {
   std::vector<Feature> features;
   MeshOptions options;                // the box: the file's own, or its bounding box
@@ -32,6 +44,7 @@ struct Geometry {
   std::string seed_file;
   std::vector<PolygonName> polygon_names;  // of a map's polygons
   MendedRings mended;                      // of a map, if asked for
+  std::optional<SurfaceCounts> surface;    // of a surface file that was prepared
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;
@@ -46,9 +59,9 @@ struct GeometryOptions {
   bool refine = false;                   // the file is a mesh whose vertices become points
   FaceRules faces = FaceRules::kStrict;  // of surface files
   bool mend_rings = false;               // of maps (MapOptions::mended)
-  bool join_flat = false;                // of surface files: faces in one plane become one polygon
-  bool holes_of_polygons = true;         // faces are joined to polygons of several rings, too
-  bool any_script = false;  // an extension that no format is known by is an edit script's
+  bool keep_facets = false;       // of surface files: faces in one plane do not become one polygon
+  bool holes_of_polygons = true;  // faces are joined to polygons of several rings, too
+  bool any_script = false;        // an extension that no format is known by is an edit script's
 };
 
 // Reads a file by its extension (formats.h). INVALID_ARGUMENT as `file:line: what is wrong`, and

@@ -1,7 +1,9 @@
 #include "core/io/formats/prepare_surface.h"
 
 #include <algorithm>
-#include <optional>
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -10,29 +12,30 @@
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/join_flat.h"
 #include "core/io/space/surface_mending.h"
-#include "dynmesh/dynamic_mesh.h"
-#include "dynmesh/error.h"
+#include "core/plc/conflicts.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::io {
 namespace {
 
-// The options of a mesh of the file.
-MeshOptions OptionsOf(const FileFeatures& file) {
+// The options of a mesh of the features.
+MeshOptions OptionsOf(const std::vector<Feature>& features) {
   MeshOptions options;
   options.dimension = 3;
   options.quality = DefaultQuality(3);
   options.min_dihedral = DefaultMinDihedral(3);
-  options.box = BoundingBox(file.features, 3);
+  options.box = BoundingBox(features, 3);
   return options;
 }
 
-// Whose features does a mesh blame? Empty: it takes them.
-std::vector<FeatureId> Blamed(const MeshOptions& options, const std::vector<Feature>& features) {
-  const auto mesh = DynamicMesh::Create(options);
-  if (!mesh.ok()) return {};
-  const std::optional<ErrorDetail> detail = GetErrorDetail((*mesh)->Validate(AddAll(features)));
-  return detail ? detail->features : std::vector<FeatureId>();
+// What a mesh of the features refuses.
+void FindConflicts(const std::vector<Feature>& features,
+                   const std::function<bool(FeatureId)>& is_looked_at,
+                   const std::function<void(FeatureId, FeatureId)>& found) {
+  const MeshOptions options = OptionsOf(features);
+  if (ValidateOptions(options).ok()) {
+    plc::FindConflicts(options, features, is_looked_at, found);
+  }
 }
 
 bool HasFacesToCut(const std::vector<Feature>& features) {
@@ -41,14 +44,21 @@ bool HasFacesToCut(const std::vector<Feature>& features) {
   });
 }
 
-coplanar::JoinedFaces Join(const GeometryOptions& options, const MeshOptions& mesh,
-                           FileFeatures& file) {
+coplanar::JoinedFaces Join(const GeometryOptions& options, FileFeatures& file) {
   coplanar::JoinOptions joining;
-  joining.join = options.join_flat;
+  joining.join = !options.keep_facets;
   joining.holes = options.holes_of_polygons;
   joining.rounding = [&](double x) { return file.rounding.Of(x); };
-  joining.refused = [&](const std::vector<Feature>& features) { return Blamed(mesh, features); };
-  coplanar::JoinedFaces joined = coplanar::JoinFlat(file.features, joining);
+  joining.conflicts = FindConflicts;
+  const FeatureLabels& labels = file.labels;
+  std::map<std::pair<std::int64_t, std::string>, std::size_t> groups = {{{0, ""}, 0}};
+  if (!labels.markers.empty() || !labels.names.empty()) {
+    joining.group = [&](FeatureId id) {
+      return groups.try_emplace({labels.MarkerOf(id), labels.NameOf(id)}, groups.size())
+          .first->second;
+    };
+  }
+  coplanar::JoinedFaces joined = coplanar::JoinFlat(std::move(file.features), joining);
   for (const auto& [part, whole] : joined.parts) {
     file.lines.resize(part, 1);
     file.lines[part - 1] = file.lines[whole - 1];
@@ -57,19 +67,32 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, const MeshOptions& me
   return joined;
 }
 
+SurfaceCounts CountsOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joined) {
+  SurfaceCounts counts;
+  counts.points = mends.equal_points + mends.near_points;
+  counts.faces_twice = mends.faces_twice;
+  counts.faces_without_area = mends.faces_without_area + joined.needles;
+  counts.cut = joined.cut;
+  counts.joined = joined.joined;
+  counts.polygons = joined.polygons;
+  counts.moved = joined.moved;
+  counts.most_moved = joined.most_moved;
+  return counts;
+}
+
 // What was done, for users: "2 point(s) made one with others, 12 faces joined into 6 polygon(s)".
 // Empty if nothing.
-std::string TextOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joined) {
+std::string TextOf(const SurfaceCounts& counts) {
   std::string text;
   const auto add = [&](std::size_t count, const auto&... what) {
     if (count != 0) text += text::Concat(text.empty() ? "" : ", ", count, " ", what...);
   };
-  add(mends.equal_points + mends.near_points, "point(s) made one with others");
-  add(mends.faces_twice, "face(s) twice left out");
-  add(mends.faces_without_area + joined.needles, "face(s) without area left out");
-  add(joined.cut, "face(s) not flat cut into triangles");
-  add(joined.joined, "faces joined into ", joined.polygons, " polygon(s)");
-  add(joined.moved, "corner(s) moved by up to ", static_cast<float>(joined.most_moved));
+  add(counts.points, "point(s) made one with others");
+  add(counts.faces_twice, "face(s) twice left out");
+  add(counts.faces_without_area, "face(s) without area left out");
+  add(counts.cut, "face(s) not flat cut into triangles");
+  add(counts.joined, "faces joined into ", counts.polygons, " polygon(s)");
+  add(counts.moved, "corner(s) moved by up to ", static_cast<float>(counts.most_moved));
   return text;
 }
 
@@ -77,18 +100,20 @@ std::string TextOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joine
 
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options) {
-  const MeshOptions mesh = OptionsOf(file);
+  const MeshOptions mesh = OptionsOf(file.features);
   // Coordinates out of range are refused with their feature, by the mesh.
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
   const SurfaceMends mends = MendSurface(near, file);
   coplanar::JoinedFaces joined;
-  if ((options.join_flat || HasFacesToCut(file.features)) &&
+  if ((!options.keep_facets || HasFacesToCut(file.features)) &&
       std::ranges::all_of(file.features,
                           [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
-    joined = Join(options, mesh, file);
+    joined = Join(options, file);
   }
+  const SurfaceCounts counts = CountsOf(mends, joined);
   Geometry geometry = GeometryOfSpace(std::move(file), path);
-  if (const std::string done = TextOf(mends, joined); !done.empty()) {
+  geometry.surface = counts;
+  if (const std::string done = TextOf(counts); !done.empty()) {
     geometry.warnings.push_back(text::Concat(path, ": ", done));
   }
   return geometry;

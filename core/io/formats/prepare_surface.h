@@ -11,8 +11,8 @@
 namespace dynmesh::io {
 
 // Mends the faces (surface_mending.h): points nearer than what a mesh refuses are one. Then joins
-// those in one plane within the rounding of the file's numbers (coplanar/join_flat.h), if that
-// is asked for. What a mesh refuses for that stays as it is: the features are validated.
+// those in one plane within the rounding of the file's numbers (coplanar/join_flat.h), unless they
+// are to be kept, or have other markers or names. What a mesh would refuse for that stays as it is.
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options);
 

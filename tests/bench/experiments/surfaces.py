@@ -28,7 +28,7 @@ TEXT = """\
 are meshed in a box of eight times their extent, and vertices of the bare box do not count. Seconds are of
 processor time, without files; an empty cell: not ended within {limit:.0f} s. "exempt" counts tetrahedra that an
 angle of the input forces over ρ. "judge" is `dynmesh verify` with the input. "merged": with
-`--merge-coplanar`; TetGen always joins faces of one plane.
+`--merge-coplanar`, the others with `--keep-facets`; TetGen always joins faces of one plane.
 """
 # Surfaces whose triangles have a plane in common with others.
 MERGED = ("cylinder 32, triangles", "terrain 10, flat")
@@ -56,7 +56,7 @@ def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: f
                folder: pathlib.Path, merged: bool = False) -> Result | str:
     """What was made, or the reason for a refusal."""
     out = folder / "mesh.node"
-    flags = ["--min-dihedral", "0", *(["--merge-coplanar"] if merged else [])]
+    flags = ["--min-dihedral", "0", "--merge-coplanar" if merged else "--keep-facets"]
     command = [str(program), "mesh", str(path), *flags, *(["--inside"] if closed else []),
                "--max-vertices", "400000", "-o", str(out), "--json"]
     try:

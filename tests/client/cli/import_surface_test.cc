@@ -52,7 +52,8 @@ TEST_F(ImportSurface, WhatIsCleanedMeshesInEveryFormat) {
     EXPECT_EQ(Value(summary, "refused"), "0");
     EXPECT_EQ(Value(summary, "changes"), std::to_string(lines.size() - 1));
     EXPECT_NE(lines[0].find("{\"change\": \"face doubled\", \"ids\": ["), std::string::npos);
-    const Outcome mesh = Run("mesh --json " + out);
+    // Of surface files faces are joined, unless they are to be kept.
+    const Outcome mesh = Run("mesh --keep-facets --json " + out);
     ASSERT_EQ(mesh.code, 0) << mesh.err;
     if (!hash.empty() && out != "a.dynmesh") {
       EXPECT_EQ(Value(mesh.out, "hash"), hash);
@@ -191,7 +192,7 @@ TEST_F(ImportSurface, ACurvedSurfaceMadeCoarseMeshesWithFewerVertices) {
   }
   folder_.Write("torus.off", off.str());
   ASSERT_EQ(Run("import torus.off --clean --feature-angle 40 --within 0.08 -o coarse.off").code, 0);
-  const Outcome fine = Run("mesh --json torus.off");
+  const Outcome fine = Run("mesh --json --keep-facets torus.off");
   const Outcome coarse = Run("mesh --json coarse.off -o coarse.msh");
   ASSERT_EQ(fine.code, 0) << fine.err;
   ASSERT_EQ(coarse.code, 0) << coarse.err;

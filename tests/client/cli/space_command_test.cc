@@ -282,7 +282,7 @@ TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
       "2 2 2\n4 2 2\n"
       "4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 4 5 9 8\n4 5 6 10 9\n4 6 7 11 10\n4 5 6 13 12\n";
   folder_.Write("floor.off", floor);
-  for (const std::string merged : {"", " --merge-coplanar"}) {
+  for (const std::string merged : {" --keep-facets", " --keep-facets --merge-coplanar", ""}) {
     SCOPED_TRACE(merged);
     const Outcome made = Run("mesh floor.off -o m.node" + merged);
     ASSERT_EQ(made.code, 0) << made.err;
@@ -293,8 +293,40 @@ TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
     for (int id = 15; id <= 20; ++id) {
       floors += faces.find(" " + std::to_string(id) + "\n") == std::string::npos ? 0 : 1;
     }
-    EXPECT_EQ(floors == 6, merged.empty());
+    EXPECT_EQ(floors == 6, merged == " --keep-facets");
     EXPECT_GE(floors, 2);
+  }
+}
+
+// A slanted square in two triangles: off its plane by the last digit, or by more.
+TEST_F(SpaceCommands, FacesInOnePlaneWithinTheDigitsAreOne) {
+  const auto write = [&](const std::string& z) {
+    folder_.Write("m.off", "OFF\n5 4 0\n0 0 1.1\n2 0 1.1\n2 3 1.2\n0 3 " + z +
+                               "\n1 1 3.12345\n3 0 1 2\n3 0 2 3\n3 0 1 4\n3 2 3 4\n");
+  };
+  write("1.20001");
+  const std::string said =
+      "dynmesh: warning: m.off: 2 faces joined into 1 polygon(s), 4 corner(s) moved by up to ";
+  const Outcome joined = Run("mesh m.off -o m.node");
+  EXPECT_EQ(joined.code, 0);
+  EXPECT_TRUE(joined.err.starts_with(said)) << joined.err;
+  EXPECT_EQ(Run("mesh m.off --keep-facets -o k.node").err, "");
+  // What judges a mesh reads in the same way.
+  const Outcome judged = Run("verify m.node --input m.off");
+  EXPECT_EQ(judged.code, 0) << judged.out << judged.err;
+  EXPECT_EQ(Run("verify k.node --input m.off --keep-facets").code, 0);
+  EXPECT_NE(Run("verify k.node --input m.off").code, 0);
+  const std::string summary = Run("import m.off --json -o m.dynmesh").out;
+  EXPECT_EQ(Value(summary, "polygons"), "3");
+  EXPECT_EQ(Value(summary, "faces_joined"), "2");
+  EXPECT_EQ(Value(summary, "polygons_of_joined"), "1");
+  EXPECT_EQ(Value(summary, "corners_moved"), "4");
+  EXPECT_EQ(Value(Run("import m.off --keep-facets --json -o k.dynmesh").out, "polygons"), "4");
+  write("1.201");
+  EXPECT_EQ(Run("mesh m.off").err, "");
+  for (const std::string command : {"mesh", "verify", "import", "load"}) {
+    EXPECT_NE(Run(command + " --help").out.find("--keep-facets"), std::string::npos);
+    EXPECT_EQ(Run(command + " --help").out.find("--join-flat"), std::string::npos);
   }
 }
 
@@ -302,6 +334,7 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.001\n3 0 1 2\n3 0 2 3\n");
   const auto count = [&](std::optional<double> tolerance) {
     InputFlags flags;
+    flags.keep_facets = true;
     flags.merge_coplanar = tolerance.has_value();
     flags.coplanar_tolerance = tolerance.value_or(0);
     const absl::StatusOr<Input> input = LoadInput(folder_.Path("m.off"), flags);
@@ -312,14 +345,15 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   EXPECT_EQ(count(std::nullopt), 2);
   EXPECT_EQ(count(0), 2);
   EXPECT_EQ(count(0.01), 2);  // no mesh would accept it
-  const Outcome warned = Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01");
+  const Outcome warned = Run("mesh m.off --keep-facets --merge-coplanar --coplanar-tolerance 0.01");
   EXPECT_NE(warned.err.find("m.off: 1 part(s) within the tolerance"), std::string::npos)
       << warned.err;
   EXPECT_NE(warned.err.find("flat to 1e-9 of their extent"), std::string::npos);
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.000000001\n3 0 1 2\n3 0 2 3\n");
   EXPECT_EQ(count(0), 2);
   EXPECT_EQ(count(0.01), 1);
-  EXPECT_EQ(Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01").err, "");
+  EXPECT_EQ(Run("mesh m.off --keep-facets --merge-coplanar --coplanar-tolerance 0.01").err, "");
+  EXPECT_EQ(Run("mesh m.off --keep-facets").err, "");
   EXPECT_NE(Run("verify --help").out.find("--merge-coplanar"), std::string::npos);
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }

@@ -37,6 +37,18 @@ def test_a_map_has_polygons_on_request(tmp_path):
     assert len(dynmesh.read_input(tmp_path / "m.geojson", polygons=True).edits["add_polygons"]) == 1
 
 
+def test_flat_faces_are_one_unless_they_are_kept(tmp_path):
+    (tmp_path / "s.off").write_text("OFF\n5 3 0\n0 0 1.10000\n2 0 1.1\n2 3 1.2\n0 3 1.20001\n1 1 3\n"
+                                    "3 0 1 2\n3 0 2 3\n3 0 1 4\n")
+    joined = dynmesh.read_input(tmp_path / "s.off")
+    assert len(joined.edits["add_polygons"]) == 2
+    assert "2 faces joined into 1 polygon(s)" in joined.warnings[0]
+    kept = dynmesh.read_input(tmp_path / "s.off", keep_facets=True)
+    assert len(kept.edits["add_polygons"]) == 3 and kept.warnings == []
+    mesh = dynmesh.open(**joined.options)
+    mesh.apply(**joined.edits)
+
+
 def test_errors_name_line_and_formats(tmp_path):
     (tmp_path / "bad.node").write_text("1 2 0 0\n1 0 zero\n")
     with pytest.raises(dynmesh.InvalidArgument, match=r"bad\.node:2: "):

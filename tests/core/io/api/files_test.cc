@@ -113,6 +113,27 @@ TEST(Files, SurfacesAreReadAndTheirFacesJoined) {
   EXPECT_NEAR(SizeOf(*KeepInside(*mesh)), 64, 1e-12);
 }
 
+// The square of two triangles is off its plane by two units of the last digit.
+TEST(Files, FlatFacesAreOneUnlessTheyAreKept) {
+  const TempFolder folder;
+  const std::string off = folder.Write(
+      "s.off",
+      "OFF\n5 3 0\n0 0 1.10000\n2 0 1.1\n2 3 1.2\n0 3 1.20001\n1 1 3\n3 0 1 2\n3 0 2 3\n3 0 1 4\n");
+  const auto joined = ReadInput(off);
+  ASSERT_TRUE(joined.ok()) << joined.status();
+  EXPECT_EQ(joined->features.size(), 7U);
+  ASSERT_EQ(joined->warnings.size(), 1U);
+  EXPECT_NE(joined->warnings[0].find("2 faces joined into 1 polygon(s), 4 corner(s) moved"),
+            std::string::npos)
+      << joined->warnings[0];
+  EXPECT_TRUE(BuildMesh(joined->features, joined->options).ok());
+  const auto kept = ReadInput(off, {.keep_facets = true});
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->features.size(), 8U);
+  EXPECT_TRUE(kept->warnings.empty());
+  EXPECT_EQ(kept->places.at(7), off + ":9");
+}
+
 TEST(Files, ScriptsAreReadToTheirEnd) {
   const TempFolder folder;
   const auto input = ReadInput(folder.Write(

@@ -1,0 +1,137 @@
+#include "core/coplanar/flatten_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dynmesh::coplanar {
+
+using geometry::Vector3;
+
+namespace {
+
+// Below this share of its length a vector is a combination of those before it.
+constexpr double kIndependent = 1e-9;
+// Of the gradient: then least squares are found.
+constexpr double kFound = 1e-11;
+
+double SumOfSquares(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return sum;
+}
+
+double SumOfSquares(const std::vector<Vector3>& values) {
+  double sum = 0;
+  for (const Vector3& v : values) sum += geometry::Dot(v, v);
+  return sum;
+}
+
+}  // namespace
+
+void FlattenSystem::AddPatch(const Vector3& normal, std::vector<Row> rows, double scale,
+                             bool fixed) {
+  Patch patch;
+  patch.first = corners_.size();
+  for (const Row& row : rows) {
+    corners_.push_back(row.corner);
+    heights_.push_back(row.height / scale);
+    linear_.push_back({1, row.u, row.w});
+  }
+  patch.last = corners_.size();
+  for (std::size_t k = 0; k < 3; ++k) patch.normal[k] = normal[k] / scale;
+  patch.fixed = fixed;
+  patches_.push_back(patch);
+  // Gram and Schmidt.
+  for (std::size_t k = 0; k < 3; ++k) {
+    double before = 0, after = 0;
+    for (std::size_t i = patch.first; i < patch.last; ++i) before += linear_[i][k] * linear_[i][k];
+    for (int twice = 0; twice < 2; ++twice) {
+      for (std::size_t j = 0; j < k; ++j) {
+        double dot = 0;
+        for (std::size_t i = patch.first; i < patch.last; ++i) dot += linear_[i][k] * linear_[i][j];
+        for (std::size_t i = patch.first; i < patch.last; ++i) linear_[i][k] -= dot * linear_[i][j];
+      }
+    }
+    for (std::size_t i = patch.first; i < patch.last; ++i) after += linear_[i][k] * linear_[i][k];
+    const bool is_independent = after > kIndependent * kIndependent * before;
+    const double by = is_independent ? 1 / std::sqrt(after) : 0;
+    for (std::size_t i = patch.first; i < patch.last; ++i) linear_[i][k] *= by;
+  }
+}
+
+void FlattenSystem::Project(std::vector<double>& values) const {
+  for (const Patch& patch : patches_) {
+    if (patch.fixed) continue;
+    std::array<double, 3> dots{};
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) dots[k] += values[i] * linear_[i][k];
+    }
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) values[i] -= dots[k] * linear_[i][k];
+    }
+  }
+}
+
+void FlattenSystem::Apply(const std::vector<Vector3>& motions, std::vector<double>& heights) const {
+  for (const Patch& patch : patches_) {
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      const Vector3 &motion = motions[corners_[i]], &weight = weights_[corners_[i]];
+      heights[i] = 0;
+      for (std::size_t k = 0; k < 3; ++k) heights[i] += patch.normal[k] * weight[k] * motion[k];
+    }
+  }
+  Project(heights);
+}
+
+void FlattenSystem::Transpose(const std::vector<double>& heights,
+                              std::vector<Vector3>& motions) const {
+  std::fill(motions.begin(), motions.end(), Vector3{});
+  for (const Patch& patch : patches_) {
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      const Vector3& weight = weights_[corners_[i]];
+      for (std::size_t k = 0; k < 3; ++k) {
+        motions[corners_[i]][k] += patch.normal[k] * weight[k] * heights[i];
+      }
+    }
+  }
+}
+
+std::vector<Vector3> FlattenSystem::Solve(double enough, int most_steps) {
+  std::vector<double> rest = heights_;
+  for (double& height : rest) height = -height;
+  Project(rest);  // what is projected once stays so: gradients need no projection
+  std::vector<Vector3> motions(weights_.size(), Vector3{}), gradient(weights_.size());
+  std::vector<double> step(rest.size());
+  Transpose(rest, gradient);
+  std::vector<Vector3> way = gradient;
+  double slope = SumOfSquares(gradient);
+  const double first = slope;
+  for (int i = 0; i < most_steps && slope > kFound * kFound * first; ++i) {
+    const bool is_enough = std::all_of(rest.begin(), rest.end(),
+                                       [&](double height) { return std::abs(height) <= enough; });
+    if (is_enough) break;
+    Apply(way, step);
+    const double length = SumOfSquares(step);
+    if (!(length > 0)) break;
+    const double by = slope / length;
+    for (std::size_t c = 0; c < way.size(); ++c) {
+      for (std::size_t k = 0; k < 3; ++k) motions[c][k] += by * way[c][k];
+    }
+    for (std::size_t j = 0; j < rest.size(); ++j) rest[j] -= by * step[j];
+    Transpose(rest, gradient);
+    const double next = SumOfSquares(gradient);
+    for (std::size_t c = 0; c < way.size(); ++c) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        way[c][k] = gradient[c][k] + next / slope * way[c][k];
+      }
+    }
+    slope = next;
+  }
+  for (std::size_t c = 0; c < motions.size(); ++c) {
+    for (std::size_t k = 0; k < 3; ++k) motions[c][k] *= weights_[c][k];
+  }
+  return motions;
+}
+
+}  // namespace dynmesh::coplanar
