@@ -162,12 +162,18 @@ bool Excuses::AreOpposite(const io::IndexedMesh::Tetrahedron& t) const {
                           (Excused(t[0], t[3]) && Excused(t[1], t[2])));
 }
 
+bool Excuses::AreEqual(Real to_p, Real to_q) const {
+  constexpr Real kSkew = 0x1p-17;
+  const Real skew = mesh_.dimension == 3 ? kSkew * std::min(to_p, to_q) : 0;
+  return std::abs(to_p - to_q) <= tolerance_ + skew;
+}
+
 bool Excuses::IsOfFacets(std::uint32_t p, std::uint32_t q) const {
   const Real across = Distance(p, q);
   return std::ranges::any_of(narrow_[p], [&](std::uint32_t c) {
     if (!narrow_[q].contains(c)) return false;
     const Real to_p = Distance(c, p), to_q = Distance(c, q);
-    return std::abs(to_p - to_q) <= tolerance_ && across < std::max(to_p, to_q);
+    return AreEqual(to_p, to_q) && across < std::max(to_p, to_q);
   });
 }
 
@@ -180,7 +186,7 @@ bool Excuses::IsOfSegments(std::uint32_t p, std::uint32_t q) const {
     if (std::ranges::find(t->second, apex) == t->second.end()) continue;
     const Real to_p = Distance(apex, p), to_q = Distance(apex, q), across = Distance(p, q);
     // By the chord: across = 2 r sin(angle / 2), and sin 30 degrees = 1/2.
-    if (std::abs(to_p - to_q) <= tolerance_ && across < std::max(to_p, to_q)) return true;
+    if (AreEqual(to_p, to_q) && across < std::max(to_p, to_q)) return true;
   }
   return false;
 }

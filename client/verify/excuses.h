@@ -1,6 +1,8 @@
 // The edges of a mesh that may be short because of a small angle of the input: the ends lie on two
 // segments that meet at less than 60 degrees, or on facets of a corner with small angles, at the
-// same distance from the common point. Found from the mesh alone, independently of the mesher.
+// same distance from the common point. In 3D distances count as equal up to 2^-17 of them: the
+// vertices of shells are beside these on purpose. Found from the mesh alone, independently of the
+// mesher.
 // Immutable, thread-safe.
 #ifndef DYNMESH_CLIENT_VERIFY_EXCUSES_H_
 #define DYNMESH_CLIENT_VERIFY_EXCUSES_H_
@@ -78,6 +80,7 @@ class Excuses {
 
  private:
   bool IsOfSegments(std::uint32_t p, std::uint32_t q) const;
+  bool AreEqual(Real to_p, Real to_q) const;
   bool IsOfFacets(std::uint32_t p, std::uint32_t q) const;
   void FindNarrowCorners();
   bool AreNarrow(const io::IndexedMesh::Face& f, const io::IndexedMesh::Face& g,

@@ -36,6 +36,7 @@ enum class RefinementTerm {
   kCascades,         // a split does not split what its vertex encroaches on
   kDepthEnds,        // subsegments are split more often than max_depth
   kSharpOnShells,    // segments at a sharp angle are halved
+  kSkewedShells,     // 3D: vertices are on their shells exactly
   kNearSplits,       // features near a segment do not split it beforehand
   kNearFacetSplits,  // facets do not
   kTooLongSplits,    // sizing regions do not

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numeric>
 
+#include "core/base/rounding.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/vectors.h"
 #include "core/meshing/refinement_terms.h"
@@ -78,6 +79,23 @@ std::vector<WedgeEnd> FindWedges(const Point<D>& apex, std::span<const Point<D>>
 template std::vector<WedgeEnd> FindWedges(const Point<2>&, std::span<const Point<2>>);
 template std::vector<WedgeEnd> FindWedges(const Point<3>&, std::span<const Point<3>>);
 
+namespace {
+
+// Let two segments meet at an angle of sine s. Beside the subsegment of one between two shells, the
+// vertex of the other on such a shell is outside of the ball unless it is off by s^2 / 2 of the
+// subsegment. It is off by its skew and that of the subsegment's end. Each is at most 2^-e of the
+// subsegment whose split made it, which was at most four times as long. So 2^-e = s^2 / 16 would
+// do; this is an eighth of that, and at most a millionth. It is a power of two, so that it seldom
+// changes with s.
+std::uint8_t SkewExponent(const WedgeEnd& end) {
+  constexpr int kLeast = 20, kMost = 40;
+  if (!end.acute || !Counts(RefinementTerm::kSkewedShells)) return 0;
+  return static_cast<std::uint8_t>(
+      std::clamp(7 - std::ilogb(end.sine * end.sine * kNarrower), kLeast, kMost));
+}
+
+}  // namespace
+
 // The handover is where both wedges are equally wide, if that is beyond the neighbours' shadows or
 // in between them. Else it is the end of the nearer shadow, moved a little to the side: exactly at
 // that foot the neighbour's end would lie on the balls of both parts.
@@ -89,6 +107,10 @@ template <int D>
 SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
   constexpr double kNearMiddle = 1.0 / 64;
   SegmentShape shape{a.acute, b.acute, 0};
+  if constexpr (D == 3) {
+    shape.skew_at_a = SkewExponent(a);
+    shape.skew_at_b = SkewExponent(b);
+  }
   if (!a.acute || !b.acute) return shape;
   const double balance = length * b.sine / (a.sine + b.sine);
   const double from_a = a.reach, to_b = length - b.reach;
@@ -121,10 +143,23 @@ double Coarsest(double lo, double hi) {
 }
 
 SplitRule SplitRule::Whole(const SegmentShape& shape, double length) {
-  if (shape.acute_at_a && shape.acute_at_b) return {Kind::kHandOver, false, 0, shape.handover};
-  if (shape.acute_at_a) return {Kind::kShells, false, 0, length};
-  if (shape.acute_at_b) return {Kind::kShells, true, length, 0};
-  return {};
+  SplitRule rule{Kind::kHalve, false, shape.skew_at_a, shape.skew_at_b};
+  if (shape.acute_at_a && shape.acute_at_b) {
+    rule.kind = Kind::kHandOver;
+    rule.at_b = shape.handover;
+  } else if (shape.acute_at_a || shape.acute_at_b) {
+    rule.kind = Kind::kShells;
+    rule.from_b = shape.acute_at_b;
+    (rule.from_b ? rule.at_a : rule.at_b) = length;
+  }
+  return rule;
+}
+
+// A triangle wave: libm's sine may have other bits elsewhere. The numbers have nothing in common.
+double WaveOf(const std::array<double, 3>& u) {
+  constexpr std::array<double, 3> kWaves = {1021.3762, 1453.0917, 1279.6481};
+  const double at = Dot(u, kWaves);
+  return 4 * std::fabs(at - std::nearbyint(at)) - 1;
 }
 
 double SplitDistance(const SplitRule& rule) {
@@ -135,13 +170,19 @@ double SplitDistance(const SplitRule& rule) {
 }
 
 std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length) {
-  using Kind = SplitRule::Kind;
   const double at = SplitDistance(rule);
-  if (rule.kind == Kind::kHandOver) {
-    return {SplitRule{Kind::kShells, false, 0, at}, SplitRule{Kind::kShells, true, length - at, 0}};
+  std::array<SplitRule, 2> parts = {rule, rule};
+  if (rule.kind == SplitRule::Kind::kHandOver) {
+    parts[0].kind = parts[1].kind = SplitRule::Kind::kShells;
+    parts[0].at_b = at;
+    parts[1].from_b = true;
+    parts[1].at_a = length - at;
+    parts[1].at_b = 0;
+  } else {
+    parts[0].at_b = at;
+    parts[1].at_a = at;
   }
-  return {SplitRule{Kind::kShells, rule.from_b, rule.at_a, at},
-          SplitRule{Kind::kShells, rule.from_b, at, rule.at_b}};
+  return parts;
 }
 
 }  // namespace dynmesh::meshing

@@ -8,6 +8,11 @@
 // 2. A subsegment is split at the coarsest dyadic number in its middle half. So the subsegments of
 //    two segments agree after finitely many splits, and are never finer than either segment needs.
 //
+// In 3D the vertex is beside its shell by a tiny part of the subsegment, its *skew*. Without it,
+// two shells cut two edges of a facet in four points on a circle. Rounding takes these off the
+// facet's plane, and the Delaunay triangulation fills the gap with a tetrahedron of 1e-14 degrees.
+// The skew is so small beside the wedge's angle that 1. stays true.
+//
 // An edge between two segments of a wedge that joins vertices of one shell is *seditious*: it is as
 // short as the angle makes it. No criterion applies to it, or the wedge would be refined for ever.
 // Triangles that are bad only because of it are exempt (SMALL_INPUT_ANGLE).
@@ -19,6 +24,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -48,6 +54,9 @@ struct SegmentShape {
   // If both ends are acute: the distance from a where one apex hands over to the other. Split there
   // first.
   double handover = 0;
+  // 3D, of acute ends: skews are at most 2^-that of the subsegment that is split. 0: there are
+  // none.
+  std::uint8_t skew_at_a = 0, skew_at_b = 0;
   friend bool operator==(const SegmentShape&, const SegmentShape&) = default;
 };
 template <int D>
@@ -64,7 +73,8 @@ struct SplitRule {
     kShells,
   };
   Kind kind = Kind::kHalve;
-  bool from_b = false;  // the apex is the greater end of the whole segment
+  bool from_b = false;                        // the apex is the greater end of the whole segment
+  std::uint8_t skew_at_a = 0, skew_at_b = 0;  // of the segment's shape
   // kShells: distances of the subsegment's lesser and greater end from the apex. kHandOver: 0, and
   // the distance from the lesser end at which to split.
   double at_a = 0, at_b = 0;
@@ -76,6 +86,23 @@ struct SplitRule {
 // (kHandOver: from the lesser end). RulesOfParts: its two parts, the lesser one first.
 double SplitDistance(const SplitRule& rule);
 std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length);
+
+// A number in [-1, 1] for a direction u from an apex: a continuous function that varies within a
+// thousandth of a radian. So edges of one facet differ in it, and parallel edges do not, even where
+// rounding made their directions differ: what is a rectangle across a plate stays one.
+double WaveOf(const std::array<double, 3>& u);
+
+// kShells in 3D: how much farther from the apex than SplitDistance the vertex is, on the segment
+// from `apex` to `other`. At most 2^-18 of SplitDistance, on either side.
+template <int D>
+double SkewOf(const SplitRule& rule, const geometry::Point<D>& apex,
+              const geometry::Point<D>& other, double length) {
+  const int exponent = rule.from_b ? rule.skew_at_b : rule.skew_at_a;
+  if (D == 2 || exponent == 0) return 0;
+  std::array<double, 3> u = {};
+  for (int i = 0; i < D; ++i) u[static_cast<std::size_t>(i)] = (other[i] - apex[i]) / length;
+  return std::ldexp(WaveOf(u) * std::fabs(rule.at_b - rule.at_a), -exponent);
+}
 
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 template <int D>

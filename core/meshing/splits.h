@@ -30,9 +30,13 @@ std::pair<geometry::Point<D>, std::array<SplitRule, 2>> SplitOf(const Complex<D,
                                                                 const Subsegment<D>& s) {
   if (s.split_rule.kind != SplitRule::Kind::kHalve) {
     const auto &a = complex.vertex(s.whole_a).p, &b = complex.vertex(s.whole_b).p;
-    const double length = LengthOf(a, b), at = SplitDistance(s.split_rule);
-    return {s.split_rule.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
-            RulesOfParts(s.split_rule, length)};
+    const bool from_b = s.split_rule.from_b;
+    const auto &apex = from_b ? b : a, &other = from_b ? a : b;
+    const double length = LengthOf(a, b);
+    double at = SplitDistance(s.split_rule);
+    if (s.split_rule.kind == SplitRule::Kind::kShells)
+      at += SkewOf(s.split_rule, apex, other, length);
+    return {PointAt(apex, other, length, at), RulesOfParts(s.split_rule, length)};
   }
   return {geometry::Midpoint(complex.vertex(s.a).p, complex.vertex(s.b).p), {}};
 }

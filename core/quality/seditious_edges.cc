@@ -13,6 +13,9 @@ namespace {
 
 // Vertices on segments are off by a few ulps.
 constexpr double kToleranceUnits = 16;
+// In 3D vertices of shells are beside them on purpose, each by less than half of this part of the
+// distance (meshing/shells.h).
+constexpr double kSkew = 0x1p-17;
 
 }  // namespace
 
@@ -71,7 +74,7 @@ bool SeditiousEdges::IsOfFacets(std::size_t p, std::size_t q) const {
   const auto is_common = [&](std::size_t corner) {
     const double to_p = std::sqrt(geometry::SquaredDistance(at(corner), at(p)));
     const double to_q = std::sqrt(geometry::SquaredDistance(at(corner), at(q)));
-    return chord < to_p && std::fabs(to_p - to_q) <= tolerance_;
+    return chord < to_p && std::fabs(to_p - to_q) <= tolerance_ + kSkew * to_p;
   };
   // The sharp corners of the features of a vertex: of its facets, and the ends of its segment.
   const auto of = [&](std::size_t row) {
@@ -107,8 +110,9 @@ bool SeditiousEdges::IsOfSegments(std::size_t p, std::size_t q) const {
       const auto &of_s = ends_[s->second], &of_t = ends_[t->second];
       const std::size_t apex = of_s[i], other_s = of_s[1 - i], other_t = of_t[1 - j];
       if (apex != of_t[j]) continue;
+      const double to_p = distance(apex, p);
       if (geometry::IsSmallAngle(at(apex), at(other_s), at(other_t)) &&
-          std::fabs(distance(apex, p) - distance(apex, q)) <= tolerance_) {
+          std::fabs(to_p - distance(apex, q)) <= tolerance_ + (d == 3 ? kSkew * to_p : 0)) {
         return true;
       }
     }

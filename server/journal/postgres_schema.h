@@ -1,4 +1,4 @@
-// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Version 3, the first:
+// The tables of the journal in PostgreSQL, all in the schema `dynmesh`. Those of version 3, the first:
 //
 //   journal      one row: the schema's version
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -19,7 +19,7 @@
 namespace dynmesh::server::postgres {
 
 // The version of the schema; also counts changes of meshes' bits, as SQLite's does.
-inline constexpr int kPostgresSchema = 3;
+inline constexpr int kPostgresSchema = 4;
 
 // Those of this program; present() is kPostgresSchema.
 const Schemas& SchemasOfDatabases();

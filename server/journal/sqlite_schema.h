@@ -1,4 +1,4 @@
-// The tables of the journal in SQLite, and the upgrade from older versions. Schema 11, the first:
+// The tables of the journal in SQLite, and the upgrade from older versions. The tables are those of schema 11, the first:
 //
 //   journal      one row: the journal's id, which is also in journal.heads (heads_file.h)
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -23,7 +23,7 @@
 namespace dynmesh::server {
 
 // The schema's number in the file. It also counts changes of meshes' bits.
-inline constexpr int kJournalSchema = 11;
+inline constexpr int kJournalSchema = 12;
 
 // Those of this program; present() is kJournalSchema.
 const Schemas& SchemasOfJournals();

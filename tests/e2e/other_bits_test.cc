@@ -20,8 +20,8 @@ using client::MeshClient;
 
 // Mesh flat, revisions 1 to 6, with a snapshot of 5 and one entry after it; mesh space, revisions 1
 // to 4, without a snapshot. bits1 is the folder after a kill, with the log and the record of the
-// heads; bits1-backup.sqlite what VACUUM INTO makes of it. The tables are those of today, and the
-// schema's number was set to that of today.
+// heads; bits1-backup.sqlite what VACUUM INTO makes of it. The tables are those of
+// the oldest schema that is read, and the schema's number was set to it.
 class JournalsOfOtherBits : public testing::TestWithParam<bool> {
  protected:
   static void CopyTo(const fs::path& data) {

@@ -47,6 +47,7 @@ std::span<const Mutant> Mutants() {
       R(kCascades, kSegments),
       R(kDepthEnds, "Limit/*.OfDepth*"),
       R(kSharpOnShells, kSegments),
+      R(kSkewedShells, "Dihedral.ShellsOfOneFacet*"),
       R(kNearSplits, "PresplitRulesTest/*"),
       R(kNearFacetSplits, "PresplitRules.*"),
       R(kTooLongSplits, "PresplitRulesTest/*"),

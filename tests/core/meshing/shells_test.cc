@@ -5,9 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/angles.h"
@@ -17,6 +22,7 @@ namespace dynmesh::meshing::shells_test {
 namespace {
 
 using geometry::Point2;
+using geometry::Point3;
 
 constexpr std::uint64_t kSeed = 20261121;
 
@@ -101,7 +107,6 @@ TEST(FindWedges, LooksAtTheNeighboursInAngle) {
 
 // In space all segments within 60 degrees count, not the next ones alone.
 TEST(FindWedges, LooksAtAllSegmentsNearbyInSpace) {
-  using geometry::Point3;
   test::Random random(kSeed);
   for (int round = 0; round < 200; ++round) {
     const Point3 o{{random.Unit(), random.Unit(), random.Unit()}};
@@ -190,6 +195,90 @@ TEST(RulesOfParts, ShellsAgreeAndStayCoarse) {
     }
     EXPECT_GE(finest, least / 4);
   }
+}
+
+// The vertices of two segments from one apex, on the same shells but for their skews.
+TEST(SkewOf, LeavesTheBallsBetweenTwoShellsEmpty) {
+  test::Random random(kSeed);
+  const auto unit = [&] {
+    Point3 u;
+    for (int i = 0; i < 3; ++i) u[i] = random.Unit() - 0.5;
+    const double length = LengthOf(u, Point3{});
+    for (int i = 0; i < 3; ++i) u[i] /= length;
+    return u;
+  };
+  double most = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const double angle = std::numbers::pi / 3 * std::pow(1.7e-5, random.Unit());
+    const Point3 apex{}, u = unit(), w = unit();
+    double along = 0;
+    for (int i = 0; i < 3; ++i) along += u[i] * w[i];
+    std::vector<Point3> ends(2);
+    const double across = std::sqrt(1 - along * along);
+    for (int i = 0; i < 3; ++i) {
+      ends[0][i] = u[i];
+      ends[1][i] = std::cos(angle) * u[i] + std::sin(angle) * (w[i] - along * u[i]) / across;
+    }
+    const std::vector<WedgeEnd> wedges = FindWedges<3>(apex, ends);
+    if (!wedges[0].acute) continue;
+    // By distance of the shell. Both segments are split alike.
+    std::array<std::map<double, Point3>, 2> vertices;
+    std::vector<std::pair<double, double>> between;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double length = LengthOf(apex, ends[k]);
+      const SegmentShape shape = ShapeOf<3>(length, wedges[k], {});
+      EXPECT_EQ(shape.skew_at_b, 0);
+      std::vector<SplitRule> subsegments = {SplitRule::Whole(shape, length)};
+      for (int depth = 0; depth < 6; ++depth) {
+        std::vector<SplitRule> parts;
+        for (const SplitRule& rule : subsegments) {
+          const double at = SplitDistance(rule), skew = SkewOf(rule, apex, ends[k], length);
+          EXPECT_LE(std::fabs(skew), std::ldexp(at, -18));
+          EXPECT_LE(std::fabs(skew), std::ldexp(rule.at_b - rule.at_a, -20));
+          most = std::max(most, std::fabs(skew) / (rule.at_b - rule.at_a));
+          vertices[k][at] = PointAt(apex, ends[k], length, at + skew);
+          for (const SplitRule& part : RulesOfParts(rule, length)) parts.push_back(part);
+        }
+        subsegments = parts;
+      }
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      for (auto far = std::next(vertices[k].begin()); far != vertices[k].end(); ++far) {
+        const auto near = std::prev(far);
+        for (const double shell : {near->first, far->first}) {
+          const auto other = vertices[1 - k].find(shell);
+          if (other == vertices[1 - k].end()) continue;
+          double dot = 0;
+          for (int i = 0; i < 3; ++i) {
+            dot += (near->second[i] - other->second[i]) * (far->second[i] - other->second[i]);
+          }
+          EXPECT_GT(dot, 0) << "seed " << kSeed << ", round " << round << ", " << angle;
+        }
+      }
+    }
+  }
+  EXPECT_GT(most, 0x1p-21);  // there are some
+}
+
+TEST(SkewOf, IsTheSameOnParallelEdgesAndDiffersInAFan) {
+  test::Random random(kSeed);
+  SplitRule rule = SplitRule::Whole({true, false, 0, 20, 0}, 1);
+  EXPECT_EQ(SkewOf(rule, Point2{}, Point2{{1, 0}}, 1), 0);  // in the plane there is none
+  const auto at = [&](const Point3& apex, double turn) {
+    return SkewOf(rule, apex, Point3{{apex[0] + std::cos(turn), apex[1], apex[2] + std::sin(turn)}},
+                  1);
+  };
+  int near = 0;
+  for (int round = 0; round < 1000; ++round) {
+    const double turn = 2 * std::numbers::pi * random.Unit();
+    const Point3 low{{random.Unit(), random.Unit(), random.Unit()}};
+    const Point3 high{{low[0] + random.Unit(), low[1], low[2] + random.Unit()}};
+    const double skew = at(low, turn);
+    // As near as the rounding of coordinates allows.
+    EXPECT_NEAR(at(high, turn), skew, 0x1p-52) << "seed " << kSeed << ", round " << round;
+    near += std::fabs(at(low, turn + std::numbers::pi / 180) - skew) < 0x1p-27;
+  }
+  EXPECT_LT(near, 50);
 }
 
 TEST(SplitRule, OfASegmentSharpAtBothEndsIsHandedOverFirst) {

@@ -1,12 +1,12 @@
-// The schemas of the journal in SQLite: which are read, and how a step leads to the next one. There
-// is no step yet, so one is made up here.
+// The schemas of the journal in SQLite: which are read, and how a step leads to the next one. No
+// step of the program changes a table yet, so one is made up here.
 #include "server/journal/sqlite_schema.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -18,12 +18,16 @@
 namespace dynmesh::server::sqlite_schema_test {
 namespace {
 
-constexpr std::array kStep = {"ALTER TABLE meshes ADD COLUMN colour TEXT NOT NULL DEFAULT 'red';"};
-constexpr std::array kStepThatFails = {
-    "ALTER TABLE meshes ADD COLUMN colour TEXT; DROP TABLE not_there;"};
+constexpr char kStep[] = "ALTER TABLE meshes ADD COLUMN colour TEXT NOT NULL DEFAULT 'red';";
+constexpr char kStepThatFails[] =
+    "ALTER TABLE meshes ADD COLUMN colour TEXT; DROP TABLE not_there;";
 
-Schemas With(std::span<const char* const> steps) {
+// Those of a program that has a further step. They stand until the next call.
+Schemas With(const char* step) {
   const Schemas& real = SchemasOfJournals();
+  static std::vector<const char*> steps;
+  steps.assign(real.steps.begin(), real.steps.end());
+  steps.push_back(step);
   return {real.first, real.tables, steps, real.store};
 }
 
