@@ -274,9 +274,15 @@ mesh = dynmesh.open([[0, 0], [1, 1]], max_vertices=50_000_000)
 mesh.apply(add_points={1: (0.5, 0.5)})
 before = mesh.hash
 leave(700_000_000)
-assert " GB of memory while it is made" in refused(0.001)
+reason = refused(0.001)
+if "memory ran out" in reason:  # by an array that doubles; the mesh can be read
+    try:
+        mesh.apply(add_points={3: (0.25, 0.5)})
+    except dynmesh.DataLoss:
+        raise SystemExit
+    raise AssertionError("the mesh goes on")
+assert " GB of memory while it is made" in reason, reason
 mesh.apply(add_points={3: (0.25, 0.5)})
-mesh.apply(remove=[3])
 """
 
 

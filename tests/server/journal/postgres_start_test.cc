@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/journal/postgres_schema.h"
 #include "server/journal/postgres_target.h"
 #include "tests/server/journal/postgres_fixture.h"
 #include "tests/server/journal/postgres_proxy.h"
@@ -44,7 +45,7 @@ class PostgresStartTest : public PostgresTest {
 
 TEST_F(PostgresStartTest, TheFirstServersMakeTheTablesInTurn) {
   OpenAllBehind(28'281'012'859'794'280, {});
-  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), "3");
+  EXPECT_EQ(Sql("SELECT version FROM dynmesh.journal"), absl::StrCat(postgres::kPostgresSchema));
 }
 
 TEST_F(PostgresStartTest, TheFirstServersWithLeasesMakeTheirTablesInTurn) {
