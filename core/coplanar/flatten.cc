@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/base/rounding.h"
+#include "core/base/union_find.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/flatten_system.h"
 #include "core/coplanar/plane_fit.h"
@@ -143,22 +143,14 @@ class Flattener {
 
   // Patches with common corners.
   std::vector<std::vector<std::size_t>> Groups() const {
-    std::vector<std::size_t> root(patches_.size());
-    std::iota(root.begin(), root.end(), std::size_t{0});
-    const auto root_of = [&](std::size_t i) {
-      while (root[i] != i) i = root[i] = root[root[i]];
-      return i;
-    };
+    UnionFind sets(patches_.size());
     for (const std::vector<std::size_t>& patches : at_) {
-      for (const std::size_t i : patches) {
-        const std::size_t a = root_of(patches.front()), b = root_of(i);
-        root[std::max(a, b)] = std::min(a, b);
-      }
+      for (const std::size_t i : patches) sets.Unite(patches.front(), i);
     }
     std::vector<std::vector<std::size_t>> groups;
     std::vector<std::size_t> group_of(patches_.size(), kNone);
     for (std::size_t i = 0; i < patches_.size(); ++i) {
-      std::size_t& group = group_of[root_of(i)];
+      std::size_t& group = group_of[sets.Find(i)];
       if (group == kNone) {
         group = groups.size();
         groups.emplace_back();
@@ -236,14 +228,8 @@ class Flattener {
     return weights;
   }
 
-  std::vector<Point3> CornersOf(const Patch& patch, const std::vector<Point3>& positions) const {
-    std::vector<Point3> points;
-    for (const Corner c : patch.corners) points.push_back(positions[c]);
-    return points;
-  }
-
   PlaneFit PlaneOf(const Patch& patch) const {
-    return PlaneFit(CornersOf(patch, positions_), patch.normal);
+    return PlaneFit(PointsAt(patch.corners, positions_), patch.normal);
   }
 
   bool IsInAxis(const Patch& patch) const {
@@ -282,14 +268,14 @@ class Flattener {
     for (std::size_t i = 0; i < corners.size(); ++i) number_[corners[i]] = i;
     const std::vector<Vector3> weights = Start(group, corners);
     double least = Measure(group);
-    std::vector<Point3> best = CornersAt(corners);
+    std::vector<Point3> best = PointsAt(corners, positions_);
     for (int turn = 0, fails = 0; turn < kMostTurns && least > kStill && fails < 2; ++turn) {
       Turn(group, corners, weights);
       const double worst = Measure(group);
       if (worst < least) {
         fails = worst < least / 2 ? 0 : fails + 1;
         least = worst;
-        best = CornersAt(corners);
+        best = PointsAt(corners, positions_);
       } else {
         ++fails;
       }
@@ -298,9 +284,10 @@ class Flattener {
     Measure(group);
   }
 
-  std::vector<Point3> CornersAt(const std::vector<Corner>& corners) const {
+  static std::vector<Point3> PointsAt(const std::vector<Corner>& corners,
+                                      const std::vector<Point3>& positions) {
     std::vector<Point3> points;
-    for (const Corner c : corners) points.push_back(positions_[c]);
+    for (const Corner c : corners) points.push_back(positions[c]);
     return points;
   }
 
@@ -314,7 +301,7 @@ class Flattener {
       double scale = 0;
       const bool is_fixed = patch.is_fixed;
       const PlaneFit plane =
-          is_fixed ? PlaneFit(CornersOf(patch, before_), patch.normal) : PlaneOf(patch);
+          is_fixed ? PlaneFit(PointsAt(patch.corners, before_), patch.normal) : PlaneOf(patch);
       std::vector<FlattenSystem::Row> rows;
       for (const Corner c : patch.corners) {
         const std::array<double, 2> place = plane.PlaceOf(positions_[c]);
