@@ -106,10 +106,7 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std
 
 absl::StatusOr<std::vector<std::int64_t>> PostgresJournal::Prepare(Session& session) {
   if (absl::Status s = postgres::CheckUse(session, options_); !s.ok()) return s;
-  if (absl::Status s = postgres::PrepareSchema(session); !s.ok()) {
-    session.Spoil();
-    return s;
-  }
+  if (absl::Status s = postgres::PrepareSchema(session); !s.ok()) return s;
   if (is_shared()) {
     if (absl::Status s = postgres::PrepareLeases(session); !s.ok()) return s;
   }
