@@ -50,7 +50,7 @@ std::shared_ptr<Diff> Edit(SharedMesh& mesh, const Batch& batch, const py::objec
     diff = mesh.Edit(batch.edits, options);
   }
   call.RaiseIf(!diff.ok());
-  if (!diff.ok() && budget && budget->was_exceeded()) {
+  if (absl::IsCancelled(diff.status()) && budget && budget->was_exceeded()) {
     diff = budget->Error("fewer features, larger sizes or max_vertices keep it smaller");
   }
   return std::make_shared<Diff>(Diff{Value(std::move(diff)), false});

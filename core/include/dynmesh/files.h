@@ -27,8 +27,8 @@ namespace dynmesh {
 // The content of an input file.
 struct FileInput {
   // Points 1, 2, ..., then segments, then polygons, in file order; joined faces are a polygon with
-  // the least of their ids. Markers (0 left out) and names
-  // of groups are their labels; a name that a label cannot have is kept, and BuildMesh refuses it.
+  // the least of their ids. Markers (0 left out) and names of groups are their labels; a name that
+  // a label cannot have is kept, and BuildMesh refuses it.
   std::vector<Feature> features;
   // The file's options (an edit script), or the usual ones of its dimension and its bounding box.
   MeshOptions options;

@@ -51,7 +51,7 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices&
 }
 
 absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar) {
-  return ReadInput(path, InputChoices{merge_coplanar, false, false, false});
+  return ReadInput(path, InputChoices{.merge_coplanar = merge_coplanar});
 }
 
 absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path, const FileInput& input) {
