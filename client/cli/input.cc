@@ -16,7 +16,8 @@ using text::Concat;
 // Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
 absl::StatusOr<Input> Finish(io::Geometry geometry, const std::string& path,
                              const InputFlags& flags) {
-  Input input = {std::move(geometry), {}};
+  Input input;
+  static_cast<io::Geometry&>(input) = std::move(geometry);
   const bool in_space = input.options.dimension == 3;
   if (flags.merge_coplanar && !in_space) {
     return absl::InvalidArgumentError(
@@ -47,6 +48,32 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
   return absl::OkStatus();
 }
 
+// Reads the file, and prepares it if the flags say so.
+absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& flags,
+                                  const io::GeometryOptions& options,
+                                  std::optional<preparation::Report>& report) {
+  const bool may_be_prepared = flags.prepare && !flags.refine && !flags.merge_coplanar;
+  const bool is_asked_for = flags.within.has_value();
+  if (!may_be_prepared || !(is_asked_for || preparation::IsPreparedByDefault(path))) {
+    return io::ReadGeometry(path, options);
+  }
+  absl::StatusOr<preparation::Prepared> prepared =
+      preparation::Prepare(path, options, {flags.within, is_asked_for});
+  if (!prepared.ok()) return prepared.status();
+  report = std::move(prepared->report);
+  if (report->is_mended) {
+    prepared->geometry.warnings.push_back(Concat(path, ": mended: ", preparation::TextOf(*report)));
+  }
+  return std::move(prepared->geometry);
+}
+
+std::vector<Feature> FacesAsTheyCome(const std::string& path) {
+  io::GeometryOptions options;
+  options.faces = io::FaceRules::kAsTheyCome;
+  absl::StatusOr<io::Geometry> geometry = io::ReadGeometry(path, options);
+  return geometry.ok() ? std::move(geometry->features) : std::vector<Feature>();
+}
+
 }  // namespace
 
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
@@ -71,6 +98,28 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Polygons of a map become polygon features, not segments");
 }
 
+void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
+  flags.prepare = flags.is_map_of_polygons = true;
+  CLI::Option* const polygons = command.get_option("--polygons");
+  polygons->description("Polygons of a map become polygon features (the default)");
+  command
+      .add_flag("!--segments", flags.is_map_of_polygons,
+                "Polygons of a map become segments, not polygon features")
+      ->excludes(polygons);
+  CLI::Option* const exact = command.add_flag(
+      "!--exact", flags.prepare,
+      "Refuse what a mesh refuses. Otherwise a surface, a map or a 2D .poly or .node that a mesh "
+      "refuses is mended first, and so are cracks between a surface's open edges");
+  command
+      .add_option(
+          "--within", flags.within,
+          "How far mending may move an edge or a face, to both sides (default: 1e-4 of the "
+          "diagonal of the input's box). Given, 3D .poly, .smesh, .msh and .mesh are mended, "
+          "too")
+      ->type_name("D")
+      ->excludes(exact);
+}
+
 absl::StatusOr<Input> InputOfElements(const io::ElementMesh& mesh, const std::string& path,
                                       const InputFlags& flags) {
   return Finish(io::GeometryOfElements(mesh, path, flags.refine), path, flags);
@@ -78,14 +127,22 @@ absl::StatusOr<Input> InputOfElements(const io::ElementMesh& mesh, const std::st
 
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   if (auto status = CheckFormat(path, flags); !status.ok()) return status;
+  const io::Format* const format = io::FindFormat(path);
   io::GeometryOptions options = flags;
   options.any_script = true;
-  absl::StatusOr<io::Geometry> geometry = io::ReadGeometry(path, options);
+  options.polygons |= flags.is_map_of_polygons && format != nullptr && format->Is(io::kMap);
+  std::optional<preparation::Report> report;
+  absl::StatusOr<io::Geometry> geometry = Read(path, flags, options, report);
   if (!geometry.ok()) return geometry.status();
-  const io::Format* const format = io::FindFormat(path);
   const bool is_script = !flags.refine && (format == nullptr || format->Is(io::kScript));
   const bool is_empty = geometry->features.empty() && !is_script;
   absl::StatusOr<Input> input = Finish(*std::move(geometry), path, flags);
+  if (input.ok()) {
+    input->preparation = std::move(report);
+    if (format != nullptr && format->Is(io::kSurface)) {
+      input->read_faces = [path] { return FacesAsTheyCome(path); };
+    }
+  }
   if (!input.ok() || !is_empty) return input;
   if (const std::uint64_t dropped = input->mended.dropped; dropped != 0) {
     return absl::InvalidArgumentError(Concat(path, ": nothing is left: 0 polygons and 0 segments; ",

@@ -2,12 +2,15 @@
 #ifndef DYNMESH_CLIENT_CLI_INPUT_H_
 #define DYNMESH_CLIENT_CLI_INPUT_H_
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/preparation/prepare.h"
 #include "core/io/common/locate.h"
 #include "core/io/formats/formats.h"
 #include "core/io/formats/geometry.h"
@@ -22,7 +25,10 @@ using io::LocateFeatures;
 // Seeds of holes and regions: in 2D AddSeedPolygons converts them to polygons, in 3D Selection
 // leaves out the holes.
 struct Input : io::Geometry {
-  std::vector<FeatureId> hole_polygons;  // of `holes`, ascending
+  std::vector<FeatureId> hole_polygons;            // of `holes`, ascending
+  std::optional<preparation::Report> preparation;  // of one that was prepared
+  // Of a surface file: its points and faces as they come, oriented as there. May be null.
+  std::function<std::vector<Feature>()> read_faces;
 };
 
 // Flags for reading. INVALID_ARGUMENT if faces are to be merged and the input is 2D, or if polygons
@@ -30,9 +36,16 @@ struct Input : io::Geometry {
 struct InputFlags : io::GeometryOptions {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
+  // Prepare files that are prepared by default (preparation/prepare.h), or, with `within`, any.
+  bool prepare = false;
+  std::optional<double> within;
+  // A map's polygons are polygons even without `polygons`.
+  bool is_map_of_polygons = false;
 };
 // --keep-facets, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
+// Of commands that make a mesh of a file, or compare them: --exact, --within and --segments.
+void AddPreparationFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of
 // geometry is an edit script; its last revision counts. `options` has the dimension. Errors as

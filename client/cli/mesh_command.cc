@@ -44,11 +44,29 @@ struct MeshCommand {
   std::shared_ptr<RemoteMesher> remote;  // may be null
 };
 
+void AddTo(JsonObject& summary, const preparation::Report& report) {
+  JsonObject changes;
+  for (const auto& [what, count] : report.changes) {
+    std::string key = what;
+    std::ranges::replace(key, ' ', '_');
+    changes.Add(key, count);
+  }
+  summary.Add("mended", report.is_mended)
+      .Add("within", report.within)
+      .Add("mending_tolerance", report.tolerance)
+      .Add("farthest", report.farthest)
+      .Add("open_edges_read", report.open_edges)
+      .Add("open_edges", report.open_edges_after)
+      .Add("prepare_seconds", report.seconds)
+      .AddObject("changes", changes);
+  if (!report.found.ok()) summary.AddText("found", text::View(report.found.message()));
+}
+
 std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min_dihedral,
-                      double build_seconds, bool json) {
+                      double build_seconds, const Input& input, bool json) {
   if (json) {
-    return JsonObject()
-        .Add("vertices", mesh.vertices.size())
+    JsonObject object;
+    object.Add("vertices", mesh.vertices.size())
         .Add("simplices", mesh.simplex_count())
         .Add("subsegments", mesh.subsegments.size())
         .Add("subfacets", mesh.subfacets.size())
@@ -61,8 +79,9 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
         .Add("below_dihedral", quality.below_dihedral)
         .Add("exempt_dihedral", quality.exempt_dihedral)
         .Add("build_seconds", build_seconds)
-        .AddText("hash", mesh.hash.ToHex())
-        .ToLine();
+        .AddText("hash", mesh.hash.ToHex());
+    if (input.preparation) AddTo(object, *input.preparation);
+    return object.ToLine();
   }
   const bool in_space = mesh.dimension == 3;
   return absl::StrFormat(
@@ -120,13 +139,17 @@ int Run(MeshCommand command) {
   bar.End();
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
+  const io::Format* const format = io::FindFormat(command.input);
+  command.selection.inside_by_default =
+      format != nullptr && !command.reading.refine && command.mesh.kind != "quadtree" &&
+      (format->Is(io::kSurface) ||
+       (format->Is(io::kMap) && (command.reading.polygons || command.reading.is_map_of_polygons)));
   const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
   if (!selection.ok()) return ReportError(selection.status());
   MeshLabels labels;
   labels.features = input->labels;
   labels.regions = input->regions;
   labels.holes = input->holes;
-  labels.is_part = !selection->IsEverything();
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
     return ReportError(status);
   }
@@ -177,7 +200,10 @@ int Run(MeshCommand command) {
     }
     return ReportRefusals(
         named, *input,
-        {command.reading.merge_coplanar, command.reading.refine, command.all_refusals});
+        {command.reading.merge_coplanar, command.reading.refine, command.all_refusals,
+         input->preparation && input->preparation->within > 0
+             ? std::optional(input->preparation->within)
+             : std::nullopt});
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {
@@ -191,8 +217,10 @@ int Run(MeshCommand command) {
                                                                                    : kExitFailed;
   }
   if (!selection->IsEverything()) {
+    const std::size_t all = mesh->simplex_count();
     mesh = selection->Of(*mesh);
     if (!mesh.ok()) return ReportError(mesh.status());
+    labels.is_part = mesh->simplex_count() != all;
   }
   const QualityReport quality = MeasureQuality(*mesh, options);
   if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
@@ -201,7 +229,8 @@ int Run(MeshCommand command) {
   if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(Summarise(*mesh, quality, options.min_dihedral, took.count(), command.json))
+  return PrintOut(
+             Summarise(*mesh, quality, options.min_dihedral, took.count(), *input, command.json))
              ? kExitDone
              : kExitFailed;
 }
@@ -215,6 +244,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
                                    [command] { return Run(*command); });
   sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   AddInputFlags(*sub, command->reading);
+  AddPreparationFlags(*sub, command->reading);
   sub->add_flag(
       "-r,--refine", command->reading.refine,
       Concat("INPUT is a mesh (.node with .ele, ",
@@ -234,6 +264,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   AddSizeFlags(*sub, command->sizes);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
+  AddSurroundingsFlag(*sub, command->selection);
   AddMarkersFlag(*sub, command->markers);
   sub->add_flag("--json", command->json, "Print one JSON object");
   if (command->remote != nullptr) command->remote->AddFlags(*sub);

@@ -126,7 +126,12 @@ int ReportRefusals(const absl::Status& first, const Input& input, const RefusalW
   for (std::size_t i = 1; i < refusals.first.size(); ++i) {
     ReportError(Locate(refusals.first[i], input.where));
   }
-  if (!wishes.is_refined) AdviseCleaning(refusals);
+  if (wishes.mended_within) {
+    PrintWarning(Concat("mending within ", static_cast<float>(*wishes.mended_within),
+                        " does not help; --within allows more"));
+  } else if (!wishes.is_refined) {
+    AdviseCleaning(refusals);
+  }
   if (refusals.count > 1) {
     std::string rest;
     if (!refusals.is_complete && !wishes.all) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,13 @@ Refusals FindRefusals(const std::vector<Feature>& features, const MeshOptions& o
 struct RefusalWishes {
   bool is_merged = false, is_refined = false;
   bool all = false;
+  std::optional<double> mended_within;  // mending within this did not help
 };
 // Reports `first`, the refusal of `input` by a mesh with its options, then others as FindRefusals
 // finds them: kMostTold are told, all found are counted. Of a 3D surface whose faces could be
-// joined it says that `--merge-coplanar` does so, and of what `import --clean` mends, that it does;
-// neither of a mesh that is refined. Returns the exit code. Only features are looked at; other
-// errors are reported alone.
+// joined it says that `--merge-coplanar` does so; of what `import --clean` mends, that it does, or
+// that mending has been tried; nothing of a mesh that is refined. Returns the exit code. Only
+// features are looked at; other errors are reported alone.
 int ReportRefusals(const absl::Status& first, const Input& input, const RefusalWishes& wishes);
 
 // Reports an error about a mesh that is too large, where it is finest, and which tolerance of

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -9,8 +11,8 @@
 
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
+#include "client/preparation/winding.h"
 #include "core/base/text.h"
-#include "core/mesh_data/chambers.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -91,11 +93,19 @@ void AddSelectionFlags(CLI::App& command, SelectionFlags& flags) {
   AddOutsideFlag(command, flags.outside);
 }
 
+void AddSurroundingsFlag(CLI::App& command, SelectionFlags& flags) {
+  command.add_flag("--surroundings", flags.surroundings,
+                   "Of a surface file or a map: what is around it, too (default: --inside, if "
+                   "anything is enclosed)");
+}
+
 absl::StatusOr<Selection> Selection::Parse(const SelectionFlags& flags, const Input& input,
                                            bool has_holes) {
   Selection selection;
   selection.input_ = &input;
-  selection.inside_ = flags.inside;
+  selection.is_default_ = flags.inside_by_default && !flags.surroundings && !flags.inside &&
+                          flags.region.empty() && flags.outside.empty();
+  selection.inside_ = flags.inside || selection.is_default_;
   absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(flags.region);
   if (!choice.ok()) return choice.status();
   selection.by_holes_ = has_holes && flags.outside == "holes" && input.options.dimension == 3;
@@ -116,7 +126,12 @@ absl::StatusOr<Mesh> Selection::Of(const Mesh& mesh) const {
   if (inside_ || by_holes_) {
     if (auto status = DropChambers(mesh, keep); !status.ok()) return status;
   }
-  if (std::find(keep.begin(), keep.end(), true) == keep.end()) return NothingLeft(mesh);
+  if (std::find(keep.begin(), keep.end(), true) == keep.end()) {
+    if (!is_default_) return NothingLeft(mesh);
+    PrintWarning(
+        Concat("nothing is enclosed, so the whole box is written: ", WhyNothingIsInside(mesh)));
+    return mesh;
+  }
   return mesh_data::OnlyRows(mesh, keep);
 }
 
@@ -142,6 +157,7 @@ absl::Status Selection::DropChambers(const Mesh& mesh, std::vector<bool>& keep) 
     for (std::size_t c = 0; c < dropped.size(); ++c) {
       dropped[c] = chambers.is_outside[c] || chambers.is_hole[c];
     }
+    DropCavities(mesh, chambers, dropped);
   }
   std::vector<std::array<double, 3>> seeds;
   for (const io::SeedRow& hole : input_->holes) seeds.push_back(hole.position);
@@ -167,30 +183,66 @@ absl::Status Selection::DropChambers(const Mesh& mesh, std::vector<bool>& keep) 
   return absl::OkStatus();
 }
 
-absl::Status Selection::NothingLeft(const Mesh& mesh) const {
-  const auto error = [](const std::string& message) {
-    return absl::InvalidArgumentError(Concat(message, "; nothing is written"));
-  };
-  if (!inside_) {
-    return error(Concat("--region, --outside: no part of the mesh is chosen; ",
-                        WhatExists(PolygonsPresent(mesh), mesh.dimension)));
+void Selection::DropCavities(const Mesh& mesh, const mesh_data::Chambers& chambers,
+                             std::vector<bool>& dropped) const {
+  if (!input_->read_faces || std::ranges::count(dropped, false) < 2) return;
+  // In each chamber a place that is far from its walls: the middle of a large tetrahedron.
+  std::vector<double> largest(chambers.count(), -1);
+  std::vector<std::array<double, 3>> middles(chambers.count());
+  for (std::size_t i = 0; i < chambers.of.size(); ++i) {
+    const std::uint32_t c = chambers.of[i];
+    if (dropped[c]) continue;
+    std::array<double, 3> middle{}, lo{}, hi{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo[k] = std::numeric_limits<double>::infinity(), hi[k] = -lo[k];
+      for (std::size_t v = 0; v < 4; ++v) {
+        const double x = mesh.vertices.coordinates[3 * chambers.corners[4 * i + v] + k];
+        middle[k] += x / 4, lo[k] = std::min(lo[k], x), hi[k] = std::max(hi[k], x);
+      }
+    }
+    const double size = std::min({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]});
+    if (size > largest[c]) largest[c] = size, middles[c] = middle;
   }
+  std::vector<std::uint32_t> looked_at;
+  std::vector<std::array<double, 3>> places;
+  for (std::uint32_t c = 0; c < dropped.size(); ++c) {
+    if (!dropped[c]) looked_at.push_back(c), places.push_back(middles[c]);
+  }
+  const std::vector<Feature> faces = input_->read_faces();
+  // Beyond, everything that is enclosed stays.
+  constexpr std::size_t kMostAngles = 1'000'000'000;
+  if (faces.empty() || places.size() > kMostAngles / faces.size()) return;
+  const auto numbers = preparation::WindingNumbers(faces, places);
+  if (!numbers) return;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (std::abs((*numbers)[i]) < 0.5) dropped[looked_at[i]] = true;
+  }
+}
+
+absl::Status Selection::NothingLeft(const Mesh& mesh) const {
+  const std::string why = inside_ ? Concat("--inside: ", WhyNothingIsInside(mesh))
+                                  : Concat("--region, --outside: no part of the mesh is chosen; ",
+                                           WhatExists(PolygonsPresent(mesh), mesh.dimension));
+  return absl::InvalidArgumentError(Concat(why, "; nothing is written"));
+}
+
+std::string Selection::WhyNothingIsInside(const Mesh& mesh) const {
   const mesh_data::Chambers chambers = mesh_data::FindChambers(mesh);
   const auto enclosed = std::ranges::count(chambers.is_outside, false);
   if (enclosed != 0) {
-    return error(Concat("--inside: each of the ", enclosed,
-                        " enclosed part(s) is a hole or left out by --region or --outside"));
+    return Concat("each of the ", enclosed, " enclosed part(s) is a hole",
+                  is_default_ ? "" : " or left out by --region or --outside");
   }
   const bool in_space = mesh.dimension == 3;
   const std::vector<FeatureId> loose = in_space ? FreeEdges(mesh) : FreeEnds(mesh);
-  std::string message = Concat("--inside: no closed ", in_space ? "surface" : "outline");
+  std::string message = Concat("no closed ", in_space ? "surface" : "outline");
   if (!loose.empty()) {
     message += Concat(in_space ? "; polygons with a free edge: " : "; points with one segment: ",
                       ListOf(loose));
     const std::string place = input_->where ? input_->where(loose.front()) : "";
     if (!place.empty()) message += Concat(" (the first at ", place, ")");
   }
-  return error(message);
+  return message;
 }
 
 }  // namespace dynmesh::cli

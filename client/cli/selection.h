@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/cli/input.h"
+#include "core/mesh_data/chambers.h"
 #include "core/mesh_data/region_filter.h"
 #include "dynmesh/mesh.h"
 
@@ -18,8 +19,13 @@ struct SelectionFlags {
   bool inside = false;
   std::string region;
   std::string outside;
+  // What is chosen without a flag: the inside, if there is any.
+  bool inside_by_default = false;
+  bool surroundings = false;  // not even then
 };
 void AddSelectionFlags(CLI::App& command, SelectionFlags& flags);
+// --surroundings
+void AddSurroundingsFlag(CLI::App& command, SelectionFlags& flags);
 
 // What the flags choose. Thread-compatible.
 class Selection {
@@ -31,17 +37,23 @@ class Selection {
 
   bool IsEverything() const { return !inside_ && !by_holes_ && choice_.IsEverything(); }
   // The chosen part of `mesh`, which is whole. INVALID_ARGUMENT, with a list of what exists, if it
-  // is empty or a polygon is not in the mesh. Prints a warning for a hole that marks nothing.
+  // is empty or a polygon is not in the mesh. Prints a warning for a hole that marks nothing, and
+  // if nothing is enclosed where the inside is the default: then it is the whole mesh.
   absl::StatusOr<Mesh> Of(const Mesh& mesh) const;
 
  private:
   absl::Status CheckPolygons(const Mesh& mesh) const;
   absl::Status DropChambers(const Mesh& mesh, std::vector<bool>& keep) const;
+  // Of several chambers of a surface file: those that it does not wind around are no inside.
+  void DropCavities(const Mesh& mesh, const mesh_data::Chambers& chambers,
+                    std::vector<bool>& dropped) const;
   absl::Status NothingLeft(const Mesh& mesh) const;
+  std::string WhyNothingIsInside(const Mesh& mesh) const;
 
   const Input* input_ = nullptr;
   bool inside_ = false;
-  bool by_holes_ = false;  // leave out the chambers with the seeds of holes; 3D
+  bool is_default_ = false;  // inside_, without a flag
+  bool by_holes_ = false;    // leave out the chambers with the seeds of holes; 3D
   mesh_data::RegionChoice choice_;
 };
 

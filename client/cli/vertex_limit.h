@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "client/preparation/default_limit.h"
 #include "core/base/memory_budget.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {
 
-// Without --max-vertices: kFewestVertices, or kVerticesForFeature for each feature if that is more.
-// Target lengths say how fine a mesh is to be: with them, the library's default.
-inline constexpr std::uint64_t kFewestVertices = 2'000'000, kVerticesForFeature = 500;
-std::uint64_t DefaultMostVertices(const std::vector<Feature>& features, const MeshOptions& options);
+using preparation::DefaultMostVertices;
+using preparation::kFewestVertices;
+using preparation::kVerticesForFeature;
 
 struct VertexLimit {
   std::uint64_t most = 0;

@@ -83,6 +83,12 @@ class CopyJournalTest : public ::testing::Test {
         known.requests.emplace_back(params.request_id, batch);
         known.answers[params.request_id] = result->diff.to_revision;
       }
+    }
+  }
+  // Asks for the past that is kept.
+  void Remember() {
+    const auto client = Connect();
+    for (auto& [id, known] : known_) {
       const auto now = client->GetFeatures(id);
       ASSERT_TRUE(now.ok()) << now.status();
       for (std::uint64_t revision = 0; revision <= now->revision; ++revision) {
@@ -134,6 +140,11 @@ class CopyJournalTest : public ::testing::Test {
   void MakeSource(std::uint64_t seed) {
     ASSERT_TRUE(daemon_.Start(Flags(Folder("first")))) << daemon_.Log();
     Work(seed);
+    ASSERT_FALSE(HasFatalFailure());
+    ASSERT_EQ(daemon_.End(SIGTERM), 0);
+    // After the edits old generations go in the background, to the end of the server at the latest.
+    ASSERT_TRUE(daemon_.Start(Flags(Folder("first")))) << daemon_.Log();
+    Remember();
     ASSERT_FALSE(HasFatalFailure());
     ASSERT_EQ(daemon_.End(SIGTERM), 0);
   }

@@ -117,6 +117,7 @@ Geometry GeometryOfSpace(FileFeatures file, const std::string& path) {
   TakeLabels(file, geometry);
   TakeSeeds(file, path, geometry);
   geometry.features = std::move(file.features);
+  geometry.rounding = file.rounding;
   SetWhere(std::move(file), geometry);
   return geometry;
 }
@@ -160,6 +161,27 @@ absl::StatusOr<Geometry> ReadGeometry(const std::string& path, const GeometryOpt
   if (format != nullptr || IsOtherFormat(path) || !options.any_script) return NoGeometry(path);
   const absl::StatusOr<EditScript> script = ReadEditScript(path);
   return script.ok() ? GeometryOfScript(*script) : script.status();
+}
+
+void KeepPlacesOfParts(const std::vector<std::pair<FeatureId, FeatureId>>& parts,
+                       Geometry& geometry) {
+  if (parts.empty()) return;
+  auto labels = std::make_shared<FeatureLabels>(*geometry.labels);
+  std::map<FeatureId, FeatureId> whole_of;
+  for (const auto& [part, whole] : parts) {
+    whole_of[part] = whole;
+    if (const std::int64_t marker = labels->MarkerOf(whole); marker != 0) {
+      labels->markers[part] = marker;
+    }
+    if (const std::string name = labels->NameOf(whole); !name.empty()) labels->names[part] = name;
+  }
+  geometry.labels = std::move(labels);
+  geometry.where = [whole_of = std::make_shared<const std::map<FeatureId, FeatureId>>(
+                        std::move(whole_of)),
+                    where = std::move(geometry.where)](FeatureId id) {
+    const auto it = whole_of->find(id);
+    return where(it == whole_of->end() ? id : it->second);
+  };
 }
 
 absl::Status JoinFaces(double tolerance, const std::function<double(double)>& most,

@@ -9,12 +9,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/common/file_features.h"
 #include "core/io/common/locate.h"
+#include "core/io/common/written_digits.h"
 #include "core/io/elements/element_mesh.h"
 #include "core/io/maps/mended_rings.h"
 #include "core/io/script/edit_script.h"
@@ -44,7 +46,8 @@ struct Geometry {
   std::string seed_file;
   std::vector<PolygonName> polygon_names;  // of a map's polygons
   MendedRings mended;                      // of a map, if asked for
-  std::optional<SurfaceCounts> surface;    // of a surface file that was prepared
+  std::optional<SurfaceCounts> surface;    // of a surface file whose faces were mended
+  NumberRounding rounding;                 // of the numbers of a surface file
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;
@@ -74,6 +77,11 @@ Geometry GeometryOfPlane(FileFeatures file, const std::string& path);
 Geometry GeometryOfSpace(FileFeatures file, const std::string& path);
 Geometry GeometryOfElements(const ElementMesh& mesh, const std::string& path, bool refine);
 absl::StatusOr<Geometry> GeometryOfScript(const EditScript& script);
+
+// Parts of features with ids of their own: each has the place, the marker and the name of what it
+// is a part of.
+void KeepPlacesOfParts(const std::vector<std::pair<FeatureId, FeatureId>>& parts,
+                       Geometry& geometry);
 
 // Joins faces of 3D geometry that lie in one plane and have one marker (core/coplanar). `most`: the
 // thickness that a mesh allows at an extent; with a tolerance of 0 it may be empty. Errors have

@@ -44,13 +44,13 @@ bool HasFacesToCut(const std::vector<Feature>& features) {
   });
 }
 
-coplanar::JoinedFaces Join(const GeometryOptions& options, FileFeatures& file) {
+coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding& rounding,
+                           const FeatureLabels& labels, std::vector<Feature> features) {
   coplanar::JoinOptions joining;
   joining.join = !options.keep_facets;
   joining.holes = options.holes_of_polygons;
-  joining.rounding = [&](double x) { return file.rounding.Of(x); };
+  joining.rounding = [&](double x) { return rounding.Of(x); };
   joining.conflicts = FindConflicts;
-  const FeatureLabels& labels = file.labels;
   std::map<std::pair<std::int64_t, std::string>, std::size_t> groups = {{{0, ""}, 0}};
   if (!labels.markers.empty() || !labels.names.empty()) {
     joining.group = [&](FeatureId id) {
@@ -58,13 +58,12 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, FileFeatures& file) {
           .first->second;
     };
   }
-  coplanar::JoinedFaces joined = coplanar::JoinFlat(std::move(file.features), joining);
-  for (const auto& [part, whole] : joined.parts) {
-    file.lines.resize(part, 1);
-    file.lines[part - 1] = file.lines[whole - 1];
-  }
-  file.features = std::move(joined.features);
-  return joined;
+  return coplanar::JoinFlat(std::move(features), joining);
+}
+
+bool AreInDomain(const std::vector<Feature>& features) {
+  return std::ranges::all_of(
+      features, [](const Feature& f) { return coplanar::IsInDomain(f.position); });
 }
 
 SurfaceCounts CountsOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joined) {
@@ -105,10 +104,13 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
   const SurfaceMends mends = MendSurface(near, file);
   coplanar::JoinedFaces joined;
-  if ((!options.keep_facets || HasFacesToCut(file.features)) &&
-      std::ranges::all_of(file.features,
-                          [](const Feature& f) { return coplanar::IsInDomain(f.position); })) {
-    joined = Join(options, file);
+  if ((!options.keep_facets || HasFacesToCut(file.features)) && AreInDomain(file.features)) {
+    joined = Join(options, file.rounding, file.labels, std::move(file.features));
+    for (const auto& [part, whole] : joined.parts) {
+      file.lines.resize(part, 1);
+      file.lines[part - 1] = file.lines[whole - 1];
+    }
+    file.features = std::move(joined.features);
   }
   const SurfaceCounts counts = CountsOf(mends, joined);
   Geometry geometry = GeometryOfSpace(std::move(file), path);
@@ -117,6 +119,15 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
     geometry.warnings.push_back(text::Concat(path, ": ", done));
   }
   return geometry;
+}
+
+SurfaceCounts JoinFacesInOnePlane(const GeometryOptions& options, Geometry& geometry) {
+  if (options.keep_facets || !AreInDomain(geometry.features)) return {};
+  coplanar::JoinedFaces joined =
+      Join(options, geometry.rounding, *geometry.labels, std::move(geometry.features));
+  geometry.features = std::move(joined.features);
+  KeepPlacesOfParts(joined.parts, geometry);
+  return CountsOf({}, joined);
 }
 
 }  // namespace dynmesh::io

@@ -16,6 +16,10 @@ namespace dynmesh::io {
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options);
 
+// Joins faces in the same way, of a surface that has been changed since it was read. Returns how
+// many. REQUIRES: polygons have one ring each; no two points are at one place.
+SurfaceCounts JoinFacesInOnePlane(const GeometryOptions& options, Geometry& geometry);
+
 }  // namespace dynmesh::io
 
 #endif  // DYNMESH_CORE_IO_FORMATS_PREPARE_SURFACE_H_

@@ -1,0 +1,187 @@
+#include "client/preparation/farthest.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <iterator>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "client/cleaning/box_tree.h"
+#include "client/cleaning/patch_distance.h"
+#include "client/cleaning/vectors3.h"
+#include "core/base/rings.h"
+#include "core/coplanar/cut_face.h"
+
+namespace dynmesh::preparation {
+namespace {
+
+using cleaning::Along;
+using cleaning::Box3;
+using cleaning::Dot;
+using cleaning::Minus;
+using cleaning::Point3;
+
+// A part of an edge may be cut so often, and more for each target.
+constexpr std::size_t kPieces = 64, kPiecesOfTarget = 8;
+
+absl::flat_hash_map<FeatureId, Point3> PositionsOf(const std::vector<Feature>& features) {
+  absl::flat_hash_map<FeatureId, Point3> at;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
+  }
+  return at;
+}
+
+// ---- edges: a line segment by its ends, the lesser one first
+
+using Edge = std::array<Point3, 2>;
+
+std::vector<Edge> EdgesOf(const std::vector<Feature>& features) {
+  const auto at = PositionsOf(features);
+  std::vector<Edge> edges;
+  const auto add = [&](FeatureId p, FeatureId q) {
+    Edge edge = {at.at(p), at.at(q)};
+    edge[0][2] = edge[1][2] = 0;  // in 2D it has no meaning
+    if (edge[1] < edge[0]) std::swap(edge[0], edge[1]);
+    if (edge[0] != edge[1]) edges.push_back(edge);
+  };
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kSegment) add(f.ends[0], f.ends[1]);
+    if (f.kind == FeatureKind::kPolygon) ForEachEdgeOf(f.rings, add);
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+// The parameter on the edge, in [0, 1], of the point nearest to p.
+double NearestOn(const Edge& edge, const Point3& p) {
+  const Point3 along = Minus(edge[1], edge[0]);
+  return std::clamp(Dot(along, Minus(p, edge[0])) / Dot(along, along), 0.0, 1.0);
+}
+
+double SquaredDistanceTo(const Edge& edge, const Point3& p) {
+  return cleaning::SquaredDistance<3>(p,
+                                      Along(edge[0], NearestOn(edge, p), Minus(edge[1], edge[0])));
+}
+
+bool IsWithin(const Edge& edge, std::span<const Edge> targets, double distance) {
+  const double most = distance * distance;
+  const Point3 along = Minus(edge[1], edge[0]);
+  std::size_t left = kPieces + kPiecesOfTarget * targets.size();
+  std::vector<std::pair<double, double>> pieces = {{0, 1}};
+  while (!pieces.empty()) {
+    if (left-- == 0) return false;
+    const auto [s, t] = pieces.back();
+    pieces.pop_back();
+    const double middle = s + (t - s) / 2;
+    const Point3 center = Along(edge[0], middle, along);
+    const auto nearest = std::ranges::min_element(
+        targets, {}, [&](const Edge& target) { return SquaredDistanceTo(target, center); });
+    if (nearest == targets.end() || !(SquaredDistanceTo(*nearest, center) <= most)) return false;
+    const auto is_near = [&](double at) {
+      return SquaredDistanceTo(*nearest, Along(edge[0], at, along)) <= most;
+    };
+    if (is_near(s) && is_near(t)) continue;
+    double cut = middle;  // where the target ends, if that is in between
+    for (const Point3& end : *nearest) {
+      const double at = NearestOn(edge, end);
+      if (at > s && at < t && !(is_near(s) && at < middle) && !(is_near(t) && at > middle)) {
+        cut = at;
+      }
+    }
+    pieces.emplace_back(s, cut);
+    pieces.emplace_back(cut, t);
+  }
+  return true;
+}
+
+// ---- faces: triangles by their corners, ascending
+
+using cleaning::TriangleCorners;
+
+std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
+  const auto at = PositionsOf(features);
+  std::vector<TriangleCorners> triangles;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPolygon) continue;
+    for (const std::vector<FeatureId>& ring : f.rings) {
+      coplanar::CornerRing corners;
+      std::vector<geometry::Point3> places;
+      for (const FeatureId id : ring) {
+        const Point3& p = at.at(id);
+        corners.push_back(static_cast<std::uint32_t>(places.size()));
+        places.push_back({{p[0], p[1], p[2]}});
+      }
+      std::vector<coplanar::CornerRing> parts;
+      if (ring.size() > 3) parts = coplanar::CutFace(places, corners);
+      if (parts.empty()) {  // a fan covers it
+        for (std::uint32_t i = 2; i < ring.size(); ++i) parts.push_back({0, i - 1, i});
+      }
+      for (const coplanar::CornerRing& part : parts) {
+        TriangleCorners triangle;
+        for (std::size_t i = 0; i < 3; ++i) triangle[i] = at.at(ring[part[i]]);
+        std::ranges::sort(triangle);
+        triangles.push_back(triangle);
+      }
+    }
+  }
+  std::ranges::sort(triangles);
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  return triangles;
+}
+
+bool IsWithin(const TriangleCorners& triangle, std::span<const TriangleCorners> targets,
+              double distance) {
+  std::vector<cleaning::DistanceTarget> near;
+  for (const TriangleCorners& target : targets) {
+    // One without area is a line, which its neighbours have too.
+    const Point3 normal = cleaning::NormalOf(target[0], target[1], target[2]);
+    if (Dot(normal, normal) > 0) near.emplace_back(target);
+  }
+  std::vector<std::uint32_t> used;
+  return cleaning::IsWithin(triangle, near, distance, used);
+}
+
+template <class Piece>
+std::optional<double> Bound(const std::vector<Piece>& from, const std::vector<Piece>& to,
+                            double least, double most) {
+  std::vector<Piece> changed;
+  std::ranges::set_difference(from, to, std::back_inserter(changed));
+  if (changed.empty()) return least;
+  std::vector<cleaning::BoxEntry> boxes;
+  for (std::uint32_t i = 0; i < to.size(); ++i) {
+    boxes.emplace_back(cleaning::TreeBoxOf(Box3::Of(to[i])), i);
+  }
+  const cleaning::BoxTree tree(boxes.begin(), boxes.end());
+  double bound = least;
+  for (const Piece& piece : changed) {
+    while (true) {
+      std::vector<cleaning::BoxEntry> found;
+      tree.query(
+          boost::geometry::index::intersects(cleaning::TreeBoxOf(Box3::Of(piece).Grown(bound))),
+          std::back_inserter(found));
+      std::vector<Piece> targets;
+      for (const cleaning::BoxEntry& entry : found) targets.push_back(to[entry.second]);
+      std::ranges::sort(targets);
+      if (IsWithin(piece, targets, bound)) break;
+      bound *= 2;
+      if (!(bound <= most)) return std::nullopt;
+    }
+  }
+  return bound;
+}
+
+}  // namespace
+
+std::optional<double> FarthestBound(const std::vector<Feature>& from,
+                                    const std::vector<Feature>& to, int dimension, double least,
+                                    double most) {
+  return dimension == 2 ? Bound(EdgesOf(from), EdgesOf(to), least, most)
+                        : Bound(TrianglesOf(from), TrianglesOf(to), least, most);
+}
+
+}  // namespace dynmesh::preparation

@@ -1,0 +1,341 @@
+#include "client/preparation/prepare.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_format.h"
+#include "client/cleaning/box_tree.h"
+#include "client/cleaning/clean_input.h"
+#include "client/cleaning/clean_surfaces.h"
+#include "client/preparation/default_limit.h"
+#include "client/preparation/farthest.h"
+#include "core/base/rings.h"
+#include "core/base/rounding.h"
+#include "core/base/text.h"
+#include "core/io/formats/formats.h"
+#include "core/io/formats/prepare_surface.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::preparation {
+namespace {
+
+using io::Geometry;
+using text::Concat;
+
+// Tolerances of cleaning: the first in units of the distance below which a mesh refuses features as
+// too close (those of `import --clean`), then in units of D.
+constexpr double kCloseLimits2D = 4, kCloseLimits3D = 8;
+constexpr double kSharesOfWithin[] = {1e-3, 1e-2, 1e-1, 0.5, 1};
+// Joining moves corners by a few roundings of the file's numbers, and must not make new contacts.
+constexpr double kRoundings = 32;
+// Distances are told up to a factor of 2, from this share of the tolerance on.
+constexpr double kLeastBound = 1.0 / 16;
+
+double DiagonalOf(const std::vector<Feature>& features, int dimension) {
+  const Box box = io::BoundingBox(features, dimension);
+  double sum = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
+    sum += (box.hi[k] - box.lo[k]) * (box.hi[k] - box.lo[k]);
+  }
+  return std::sqrt(sum);
+}
+
+// OK if a mesh accepts it, and has no more vertices than it may have by default, as far as that is
+// known before.
+absl::Status Refusal(const Geometry& geometry) {
+  MeshOptions options = geometry.options;
+  options.limits.max_vertices = DefaultMostVertices(geometry.features, options);
+  const auto mesh = DynamicMesh::Create(options);
+  return mesh.ok() ? (*mesh)->Validate(AddAll(geometry.features)) : mesh.status();
+}
+
+// A refusal that names features, or is for the size of the mesh. Others are of the options.
+bool IsOfFeatures(const absl::Status& refusal) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
+  return detail && (!detail->features.empty() || detail->reason == reason::kVertexLimit);
+}
+
+// ---- open edges
+
+struct OpenEdge {
+  FeatureId p, q;
+  cleaning::Box3 box;
+};
+
+std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
+  absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
+  absl::flat_hash_map<FeatureId, cleaning::Point3> at;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
+    if (f.kind != FeatureKind::kPolygon) continue;
+    ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
+  }
+  std::vector<OpenEdge> open;
+  for (const auto& [edge, faces] : faces_at) {
+    if (faces != 1) continue;
+    const cleaning::Point3 ends[] = {at[edge.first], at[edge.second]};
+    open.push_back({edge.first, edge.second, cleaning::Box3::Of(ends)});
+  }
+  return open;
+}
+
+// Does each end of an open edge have another open edge, which does not end there, within the
+// distance? Conservative: may return true needlessly.
+bool MayBeClosed(const std::vector<OpenEdge>& open, double distance) {
+  std::vector<cleaning::BoxEntry> boxes;
+  for (std::uint32_t i = 0; i < open.size(); ++i) {
+    boxes.emplace_back(cleaning::TreeBoxOf(open[i].box.Grown(distance)), i);
+  }
+  const cleaning::BoxTree tree(boxes.begin(), boxes.end());
+  return std::ranges::all_of(open, [&](const OpenEdge& edge) {
+    std::vector<cleaning::BoxEntry> found;
+    tree.query(boost::geometry::index::intersects(cleaning::TreeBoxOf(edge.box)),
+               std::back_inserter(found));
+    const auto is_other_at = [&](FeatureId end) {
+      return std::ranges::any_of(found, [&](const cleaning::BoxEntry& entry) {
+        return open[entry.second].p != end && open[entry.second].q != end;
+      });
+    };
+    return is_other_at(edge.p) && is_other_at(edge.q);
+  });
+}
+
+// ---- what was done
+
+template <class Kind, class Change>
+void AddChanges(const std::vector<Change>& changes, int kinds, Report& report) {
+  std::vector<std::size_t> counts(static_cast<std::size_t>(kinds));
+  for (const Change& change : changes) ++counts[static_cast<std::size_t>(change.kind)];
+  for (int k = 0; k < kinds; ++k) {
+    const std::size_t count = counts[static_cast<std::size_t>(k)];
+    if (count != 0) report.changes.emplace_back(NameOf(static_cast<Kind>(k)), count);
+  }
+}
+
+void AddCount(const char* what, std::size_t count, Report& report) {
+  if (count != 0) report.changes.emplace_back(what, count);
+}
+
+// ---- one tolerance
+
+// The geometry that a file has, as it is to be cleaned.
+class Cleaner {
+ public:
+  Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, double within)
+      : raw_(std::move(raw)), reading_(reading), is_surface_(is_surface), within_(within) {
+    raw_.warnings.clear();
+    DropAttributes();
+  }
+
+  // What cleaning with the tolerance makes. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
+  // OUT_OF_RANGE if it is too far from the input.
+  absl::StatusOr<Prepared> Clean(double tolerance) const {
+    Prepared prepared = {raw_, {}};
+    Report& report = prepared.report;
+    report.is_mended = true;
+    report.within = within_;
+    const absl::Status status = raw_.options.dimension == 2 ? CleanPlane(tolerance, prepared)
+                                                            : CleanSpace(tolerance, prepared);
+    if (!status.ok()) return status;
+    if (!(report.tolerance <= within_)) return TooFar();
+    const int dimension = raw_.options.dimension;
+    const double least = std::min(kLeastBound * report.tolerance, within_);
+    const auto there =
+        FarthestBound(prepared.geometry.features, raw_.features, dimension, least, within_);
+    if (!there) return TooFar();
+    report.farthest = *there;
+    // In 2D edges that are there and back are dropped, as they enclose nothing.
+    if (dimension == 3) {
+      const auto back =
+          FarthestBound(raw_.features, prepared.geometry.features, dimension, least, within_);
+      if (!back) return TooFar();
+      report.farthest = std::max(report.farthest, *back);
+    }
+    if (is_surface_) {
+      const io::SurfaceCounts counts = io::JoinFacesInOnePlane(reading_, prepared.geometry);
+      prepared.geometry.surface = counts;
+      prepared.geometry.options.box = io::BoundingBox(prepared.geometry.features, dimension);
+      AddCount("face joined", counts.joined, report);
+    }
+    return prepared;
+  }
+
+ private:
+  absl::Status TooFar() const {
+    return absl::OutOfRangeError(Concat("cleaning moves it by more than ", within_));
+  }
+
+  void DropAttributes() {
+    auto labels = std::make_shared<io::FeatureLabels>(*raw_.labels);
+    labels->attributes = 0;
+    labels->values.clear();
+    raw_.labels = std::move(labels);
+  }
+
+  absl::Status CleanPlane(double tolerance, Prepared& prepared) const {
+    cleaning::CleanOptions options;
+    options.tolerance = tolerance;
+    absl::StatusOr<cleaning::CleanResult> cleaned = cleaning::CleanInput(raw_.features, options);
+    if (!cleaned.ok()) return cleaned.status();
+    prepared.geometry.features = std::move(cleaned->features);
+    io::KeepPlacesOfParts(PartsOf(prepared.geometry.features), prepared.geometry);
+    prepared.report.tolerance = tolerance;
+    AddChanges<cleaning::ChangeKind>(cleaned->changes, cleaning::kChangeKinds, prepared.report);
+    return absl::OkStatus();
+  }
+
+  absl::Status CleanSpace(double tolerance, Prepared& prepared) const {
+    cleaning::SurfaceCleanOptions options;
+    options.tolerance = tolerance;
+    options.holes = !is_surface_;
+    absl::StatusOr<cleaning::SurfaceCleanResult> cleaned =
+        cleaning::CleanSurfaces(raw_.features, options);
+    if (!cleaned.ok()) return cleaned.status();
+    prepared.geometry.features = std::move(cleaned->features);
+    io::KeepPlacesOfParts(cleaned->parts, prepared.geometry);
+    prepared.report.tolerance = cleaned->tolerance;
+    AddChanges<cleaning::SurfaceChangeKind>(cleaned->changes, cleaning::kSurfaceChangeKinds,
+                                            prepared.report);
+    return absl::OkStatus();
+  }
+
+  // New segments follow the one that they are a part of.
+  std::vector<std::pair<FeatureId, FeatureId>> PartsOf(const std::vector<Feature>& features) const {
+    FeatureId last = 0, whole = 0;
+    for (const Feature& f : raw_.features) last = std::max(last, f.id);
+    std::vector<std::pair<FeatureId, FeatureId>> parts;
+    for (const Feature& f : features) {
+      if (f.kind != FeatureKind::kSegment) continue;
+      if (f.id <= last) {
+        whole = f.id;
+      } else {
+        parts.emplace_back(f.id, whole);
+      }
+    }
+    return parts;
+  }
+
+  Geometry raw_;
+  const io::GeometryOptions& reading_;
+  bool is_surface_;
+  double within_;
+};
+
+bool HasEdges(const std::vector<Feature>& features) {
+  return std::ranges::any_of(features, [](const Feature& f) {
+    return f.kind == FeatureKind::kSegment || f.kind == FeatureKind::kPolygon;
+  });
+}
+
+// The tolerances that are tried, ascending.
+std::vector<double> Tolerances(const MeshOptions& options, double within) {
+  std::vector<double> tolerances = {LeastDistance(options) *
+                                    (options.dimension == 2 ? kCloseLimits2D : kCloseLimits3D)};
+  for (const double share : kSharesOfWithin) {
+    if (share * within > tolerances.back()) tolerances.push_back(share * within);
+  }
+  return tolerances;
+}
+
+}  // namespace
+
+bool IsPreparedByDefault(const std::string& path) {
+  const io::Format* const format = io::FindFormat(path);
+  if (format == nullptr) return false;
+  if (format->Is(io::kSurface) || format->Is(io::kMap)) return true;
+  return format->extension == ".poly" || format->extension == ".node";
+}
+
+absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
+                                 const PrepareOptions& options) {
+  if (options.within && !(*options.within > 0 && std::isfinite(*options.within))) {
+    return absl::InvalidArgumentError(
+        Concat("--within: it must be above 0, found ", *options.within));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const auto told = [&](Prepared prepared) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    prepared.report.seconds = seconds.count();
+    return prepared;
+  };
+  io::GeometryOptions how = reading;
+  how.mend_rings = true;
+  absl::StatusOr<Geometry> given = io::ReadGeometry(path, how);
+  Prepared as_read;
+  if (given.ok()) {
+    as_read.geometry = *given;
+    const io::Format* const format = io::FindFormat(path);
+    if (given->options.dimension == 3 && !format->Is(io::kSurface) && !options.facets) {
+      return told(as_read);
+    }
+    as_read.report.found = Refusal(*given);
+    AddCount("ring closed", given->mended.closed, as_read.report);
+    AddCount("ring dropped", given->mended.dropped, as_read.report);
+    if (!as_read.report.found.ok() && !IsOfFeatures(as_read.report.found)) return told(as_read);
+  } else {
+    as_read.report.found = given.status();
+  }
+  if (given.ok() && given->options.dimension == 3) {
+    as_read.report.open_edges = OpenEdgesOf(given->features).size();
+  }
+  as_read.report.open_edges_after = as_read.report.open_edges;
+  const auto within_of = [&](const Geometry& geometry) {
+    return options.within.value_or(kDefaultWithin *
+                                   DiagonalOf(geometry.features, geometry.options.dimension));
+  };
+  if (given.ok()) as_read.report.within = within_of(*given);
+  const bool is_good = as_read.report.found.ok();
+  const bool to_close = as_read.report.open_edges != 0 &&
+                        MayBeClosed(OpenEdgesOf(given->features), within_of(*given));
+  if (is_good && !to_close) return told(as_read);
+  how.faces = io::FaceRules::kAsTheyCome;
+  const absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
+  const double within = raw.ok() ? within_of(*raw) : 0;
+  as_read.report.within = within;
+  if (!(within > 0) || !ValidateOptions(raw->options).ok()) {
+    return given.ok() ? told(as_read) : absl::StatusOr<Prepared>(given.status());
+  }
+
+  const bool is_surface = io::FindFormat(path)->Is(io::kSurface);
+  const Cleaner cleaner(*raw, reading, is_surface, within);
+  std::optional<Prepared> best;
+  for (const double tolerance : Tolerances(*raw, within)) {
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
+    if (absl::IsOutOfRange(cleaned.status())) break;
+    if (!cleaned.ok() || !Refusal(cleaned->geometry).ok()) continue;
+    if (HasEdges(raw->features) && !HasEdges(cleaned->geometry.features)) continue;
+    cleaned->report.found = as_read.report.found;
+    cleaned->report.open_edges = as_read.report.open_edges;
+    if (raw->options.dimension == 3) {
+      cleaned->report.open_edges_after = OpenEdgesOf(cleaned->geometry.features).size();
+    }
+    const bool is_closed = cleaned->report.open_edges_after == 0;
+    if (!is_good && !best) best = *cleaned;
+    if (is_closed) best = *std::move(cleaned);
+    if (best && (is_closed || !to_close)) break;
+  }
+  if (best) return told(*std::move(best));
+  return given.ok() ? told(as_read) : absl::StatusOr<Prepared>(given.status());
+}
+
+std::string TextOf(const Report& report) {
+  std::string text;
+  for (const auto& [what, count] : report.changes) {
+    text += Concat(text.empty() ? "" : ", ", count, " x ", what);
+  }
+  if (report.is_mended) {
+    text += absl::StrFormat("; at most %.2g from the input, tolerance %.2g", report.farthest,
+                            report.tolerance);
+  }
+  return text;
+}
+
+}  // namespace dynmesh::preparation

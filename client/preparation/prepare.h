@@ -1,0 +1,69 @@
+// Reads a file of geometry and makes of it what a mesh accepts. What a mesh accepts as it is read
+// stays so.
+//
+// Else it is cleaned (client/cleaning), with the least of a few tolerances after which a mesh
+// accepts it: that of `import --clean`, or some roundings of a surface file's numbers if that is
+// more, then powers of ten up to the distance D. Faces of a surface file are joined again after
+// that. A result that is farther than D from the input is not taken:
+// each point of an edge or face of it is within D of one of the input; in 3D the other way round,
+// too (farthest.h). If no tolerance helps, the input is as it was read, and `found` says why a mesh
+// refuses it.
+//
+// Also of a surface with open edges: if some tolerance closes all of them within D, it is taken.
+//
+// A function of the file; of coordinates, but for ids. Thread-safe. Expected O(n lg n) for each
+// tolerance.
+#ifndef DYNMESH_CLIENT_PREPARATION_PREPARE_H_
+#define DYNMESH_CLIENT_PREPARATION_PREPARE_H_
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/formats/geometry.h"
+
+namespace dynmesh::preparation {
+
+// D without a choice, in diagonals of the box of all points.
+inline constexpr double kDefaultWithin = 1e-4;
+
+struct PrepareOptions {
+  std::optional<double> within;  // D, in the input's units
+  bool facets = false;           // prepare facets of TetGen, too
+};
+
+struct Report {
+  bool is_mended = false;  // else the input is as it was read
+  absl::Status found;      // what a mesh refuses of the input first; OK if nothing
+  std::size_t open_edges = 0, open_edges_after = 0;  // 3D: with one face
+  double within = 0;                                 // D
+  double tolerance = 0, farthest = 0;  // of the cleaning; a bound of how far the result is
+  double seconds = 0;
+  // What was done: "points merged", and how often. Only what was done.
+  std::vector<std::pair<std::string, std::size_t>> changes;
+};
+
+struct Prepared {
+  io::Geometry geometry;
+  Report report;
+};
+
+// Is a file with this extension prepared unless the user says otherwise? Surfaces, maps, and 2D
+// points and segments of Triangle (facets of TetGen have the same extension and are left as they
+// are: PrepareOptions::facets). Not edit scripts and meshes.
+bool IsPreparedByDefault(const std::string& path);
+
+// INVALID_ARGUMENT for a `within` that is not above 0 and finite; else as io::ReadGeometry.
+absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
+                                 const PrepareOptions& options);
+
+// "3 points merged, 2 edges split; at most 1.2e-07 from the input".
+std::string TextOf(const Report& report);
+
+}  // namespace dynmesh::preparation
+
+#endif  // DYNMESH_CLIENT_PREPARATION_PREPARE_H_
