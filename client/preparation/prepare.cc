@@ -126,6 +126,12 @@ void AddCount(const char* what, std::size_t count, Report& report) {
 
 // ---- one tolerance
 
+bool HasEdges(const std::vector<Feature>& features) {
+  return std::ranges::any_of(features, [](const Feature& f) {
+    return f.kind == FeatureKind::kSegment || f.kind == FeatureKind::kPolygon;
+  });
+}
+
 // The geometry that a file has, as it is to be cleaned.
 class Cleaner {
  public:
@@ -146,6 +152,7 @@ class Cleaner {
                                                             : CleanSpace(tolerance, prepared);
     if (!status.ok()) return status;
     if (!(report.tolerance <= within_)) return TooFar();
+    if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) return TooFar();
     const int dimension = raw_.options.dimension;
     const double least = std::min(kLeastBound * report.tolerance, within_);
     const auto there =
@@ -165,7 +172,23 @@ class Cleaner {
       prepared.geometry.options.box = io::BoundingBox(prepared.geometry.features, dimension);
       AddCount("face joined", counts.joined, report);
     }
+    if (dimension == 3) {
+      report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
+    }
     return prepared;
+  }
+
+  // Those to be tried, ascending.
+  std::vector<double> Tolerances() const {
+    const int dimension = raw_.options.dimension;
+    const double limits = dimension == 2 ? kCloseLimits2D : kCloseLimits3D;
+    const double rounding = raw_.rounding.Of(LargestMagnitude(raw_.options.box, dimension));
+    std::vector<double> tolerances = {std::max(limits * LeastDistance(raw_.options),
+                                               std::min(kRoundings * rounding, within_ / 2))};
+    for (const double share : kSharesOfWithin) {
+      if (share * within_ > tolerances.back()) tolerances.push_back(share * within_);
+    }
+    return tolerances;
   }
 
  private:
@@ -229,20 +252,33 @@ class Cleaner {
   double within_;
 };
 
-bool HasEdges(const std::vector<Feature>& features) {
-  return std::ranges::any_of(features, [](const Feature& f) {
-    return f.kind == FeatureKind::kSegment || f.kind == FeatureKind::kPolygon;
-  });
+// What a mesh refuses of what was read, and its open edges. Returns whether these may be closed.
+bool Describe(const Geometry& geometry, double within, Report& report) {
+  report.found = Refusal(geometry);
+  report.within = within;
+  AddCount("ring closed", geometry.mended.closed, report);
+  AddCount("ring dropped", geometry.mended.dropped, report);
+  if (geometry.options.dimension != 3) return false;
+  const std::vector<OpenEdge> open = OpenEdgesOf(geometry.features);
+  report.open_edges = report.open_edges_after = open.size();
+  return !open.empty() && MayBeClosed(open, within);
 }
 
-// The tolerances that are tried, ascending.
-std::vector<double> Tolerances(const MeshOptions& options, double within) {
-  std::vector<double> tolerances = {LeastDistance(options) *
-                                    (options.dimension == 2 ? kCloseLimits2D : kCloseLimits3D)};
-  for (const double share : kSharesOfWithin) {
-    if (share * within > tolerances.back()) tolerances.push_back(share * within);
+// The result of the least tolerance that a mesh accepts; if open edges are `to_close`, that of the
+// least one that closes them, if there is one.
+std::optional<Prepared> Mend(const Cleaner& cleaner, const Report& as_read, bool to_close) {
+  std::optional<Prepared> best;
+  for (const double tolerance : cleaner.Tolerances()) {
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
+    if (absl::IsOutOfRange(cleaned.status())) break;
+    if (!cleaned.ok() || !Refusal(cleaned->geometry).ok()) continue;
+    cleaned->report.found = as_read.found;
+    cleaned->report.open_edges = as_read.open_edges;
+    const bool is_closed = cleaned->report.open_edges_after == 0;
+    if (is_closed || (!best && !as_read.found.ok())) best = *std::move(cleaned);
+    if (best && (is_closed || !to_close)) break;
   }
-  return tolerances;
+  return best;
 }
 
 }  // namespace
@@ -261,69 +297,43 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
         Concat("--within: it must be above 0, found ", *options.within));
   }
   const auto start = std::chrono::steady_clock::now();
-  const auto told = [&](Prepared prepared) {
+  const auto timed = [&](Prepared prepared) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     prepared.report.seconds = seconds.count();
     return prepared;
   };
-  io::GeometryOptions how = reading;
-  how.mend_rings = true;
-  absl::StatusOr<Geometry> given = io::ReadGeometry(path, how);
-  Prepared as_read;
-  if (given.ok()) {
-    as_read.geometry = *given;
-    const io::Format* const format = io::FindFormat(path);
-    if (given->options.dimension == 3 && !format->Is(io::kSurface) && !options.facets) {
-      return told(as_read);
-    }
-    as_read.report.found = Refusal(*given);
-    AddCount("ring closed", given->mended.closed, as_read.report);
-    AddCount("ring dropped", given->mended.dropped, as_read.report);
-    if (!as_read.report.found.ok() && !IsOfFeatures(as_read.report.found)) return told(as_read);
-  } else {
-    as_read.report.found = given.status();
-  }
-  if (given.ok() && given->options.dimension == 3) {
-    as_read.report.open_edges = OpenEdgesOf(given->features).size();
-  }
-  as_read.report.open_edges_after = as_read.report.open_edges;
   const auto within_of = [&](const Geometry& geometry) {
     return options.within.value_or(kDefaultWithin *
                                    DiagonalOf(geometry.features, geometry.options.dimension));
   };
-  if (given.ok()) as_read.report.within = within_of(*given);
-  const bool is_good = as_read.report.found.ok();
-  const bool to_close = as_read.report.open_edges != 0 &&
-                        MayBeClosed(OpenEdgesOf(given->features), within_of(*given));
-  if (is_good && !to_close) return told(as_read);
+  io::GeometryOptions how = reading;
+  how.mend_rings = true;
+  absl::StatusOr<Geometry> given = io::ReadGeometry(path, how);
+  const bool is_surface = given.ok() && io::FindFormat(path)->Is(io::kSurface);
+  const absl::Status unread = given.status();
+  Prepared as_read;
+  bool to_close = false;
+  if (given.ok()) {
+    as_read.geometry = *std::move(given);
+    const Geometry& geometry = as_read.geometry;
+    if (geometry.options.dimension == 3 && !is_surface && !options.facets) return as_read;
+    const double within = within_of(geometry);
+    to_close = Describe(geometry, within, as_read.report);
+    const absl::Status& found = as_read.report.found;
+    if (found.ok() ? !to_close : !IsOfFeatures(found)) return timed(std::move(as_read));
+  } else {
+    as_read.report.found = unread;
+  }
   how.faces = io::FaceRules::kAsTheyCome;
-  const absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
-  const double within = raw.ok() ? within_of(*raw) : 0;
-  as_read.report.within = within;
-  if (!(within > 0) || !ValidateOptions(raw->options).ok()) {
-    return given.ok() ? told(as_read) : absl::StatusOr<Prepared>(given.status());
+  absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
+  if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
+    const double within = within_of(*raw);
+    const Cleaner cleaner(*std::move(raw), reading, io::FindFormat(path)->Is(io::kSurface), within);
+    std::optional<Prepared> mended = Mend(cleaner, as_read.report, to_close);
+    if (mended) return timed(*std::move(mended));
   }
-
-  const bool is_surface = io::FindFormat(path)->Is(io::kSurface);
-  const Cleaner cleaner(*raw, reading, is_surface, within);
-  std::optional<Prepared> best;
-  for (const double tolerance : Tolerances(*raw, within)) {
-    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
-    if (absl::IsOutOfRange(cleaned.status())) break;
-    if (!cleaned.ok() || !Refusal(cleaned->geometry).ok()) continue;
-    if (HasEdges(raw->features) && !HasEdges(cleaned->geometry.features)) continue;
-    cleaned->report.found = as_read.report.found;
-    cleaned->report.open_edges = as_read.report.open_edges;
-    if (raw->options.dimension == 3) {
-      cleaned->report.open_edges_after = OpenEdgesOf(cleaned->geometry.features).size();
-    }
-    const bool is_closed = cleaned->report.open_edges_after == 0;
-    if (!is_good && !best) best = *cleaned;
-    if (is_closed) best = *std::move(cleaned);
-    if (best && (is_closed || !to_close)) break;
-  }
-  if (best) return told(*std::move(best));
-  return given.ok() ? told(as_read) : absl::StatusOr<Prepared>(given.status());
+  if (!unread.ok()) return unread;
+  return timed(std::move(as_read));
 }
 
 std::string TextOf(const Report& report) {

@@ -15,12 +15,14 @@ namespace {
 
 using Place = std::array<double, 3>;
 
+Feature PointAt(FeatureId id, const Place& p) { return Feature::Point(id, p[0], p[1], p[2]); }
+
 std::vector<Feature> SegmentsOf(const std::vector<std::array<Place, 2>>& segments) {
   std::vector<Feature> features;
   FeatureId id = 0;
   for (const auto& [p, q] : segments) {
-    features.push_back(Feature::Point(id + 1, p));
-    features.push_back(Feature::Point(id + 2, q));
+    features.push_back(PointAt(id + 1, p));
+    features.push_back(PointAt(id + 2, q));
     features.push_back(Feature::Segment(id + 3, id + 1, id + 2));
     id += 3;
   }
@@ -31,7 +33,7 @@ std::vector<Feature> TrianglesOf(const std::vector<std::array<Place, 3>>& triang
   std::vector<Feature> features;
   FeatureId id = 0;
   for (const auto& corners : triangles) {
-    for (const Place& p : corners) features.push_back(Feature::Point(++id, p));
+    for (const Place& p : corners) features.push_back(PointAt(++id, p));
     features.push_back(Feature::Polygon(id + 1, {{id - 2, id - 1, id}}));
     ++id;
   }
