@@ -134,6 +134,40 @@ std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
   return triangles;
 }
 
+// Where a triangle has many targets, cleaning::IsWithin may give up: its halves have fewer.
+constexpr int kHalvings = 16;
+
+bool IsWithin(const TriangleCorners& triangle, std::span<const cleaning::DistanceTarget> targets,
+              double distance, int halvings) {
+  const Box3 box = Box3::Of(triangle);
+  std::vector<cleaning::DistanceTarget> near;
+  for (const cleaning::DistanceTarget& target : targets) {
+    if (target.box.Meets(box, distance)) near.push_back(target);
+  }
+  std::vector<std::uint32_t> used;
+  if (cleaning::IsWithin(triangle, near, distance, used)) return true;
+  const auto& [a, b, c] = triangle;
+  const Point3 middle =
+      Along(Along(a, 0.5, Minus(b, a)), 1.0 / 3, Minus(c, Along(a, 0.5, Minus(b, a))));
+  const bool is_there = std::ranges::any_of(near, [&](const cleaning::DistanceTarget& target) {
+    return cleaning::SquaredDistance<3>(middle, cleaning::NearestOn(target.corners, middle)) <=
+           distance * distance;
+  });
+  if (!is_there || halvings == 0) return false;
+  std::size_t longest = 0;
+  const auto length = [&](std::size_t i) {
+    return cleaning::SquaredDistance<3>(triangle[i], triangle[(i + 1) % 3]);
+  };
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (length(i) > length(longest)) longest = i;
+  }
+  const Point3 p = triangle[longest], q = triangle[(longest + 1) % 3],
+               r = triangle[(longest + 2) % 3];
+  const Point3 half = Along(p, 0.5, Minus(q, p));
+  return IsWithin({p, half, r}, near, distance, halvings - 1) &&
+         IsWithin({half, q, r}, near, distance, halvings - 1);
+}
+
 bool IsWithin(const TriangleCorners& triangle, std::span<const TriangleCorners> targets,
               double distance) {
   std::vector<cleaning::DistanceTarget> near;
@@ -142,8 +176,7 @@ bool IsWithin(const TriangleCorners& triangle, std::span<const TriangleCorners> 
     const Point3 normal = cleaning::NormalOf(target[0], target[1], target[2]);
     if (Dot(normal, normal) > 0) near.emplace_back(target);
   }
-  std::vector<std::uint32_t> used;
-  return cleaning::IsWithin(triangle, near, distance, used);
+  return IsWithin(triangle, near, distance, kHalvings);
 }
 
 template <class Piece>

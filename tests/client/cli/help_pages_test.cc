@@ -125,7 +125,7 @@ TEST_F(HelpPages, FacesInOnePlaneGetTheAdviceThatHelps) {
   const std::string corners =
       "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0.000011 0.0000628\n0 0.000011 0.0000628\n";
   folder_.Write("c.off", "OFF\n6 3 0\n" + corners + "4 0 1 2 3\n3 0 1 4\n3 0 4 5\n");
-  const Outcome refused = Run("mesh c.off --keep-facets");
+  const Outcome refused = Run("mesh c.off --exact --keep-facets");
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("3 faces lie in 2 planes: --merge-coplanar joins them"),
             std::string::npos)

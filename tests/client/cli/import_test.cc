@@ -46,7 +46,7 @@ TEST_F(Import, APolyOfAMapMeshesLikeTheMap) {
     EXPECT_EQ(Value(outcome.out, "segments"), "3");
     EXPECT_EQ(Value(outcome.out, "cleaned"), "false");
     EXPECT_EQ(Value(Run("mesh --json " + out).out, "hash"),
-              Value(Run("mesh squares.topojson --json").out, "hash"));
+              Value(Run("mesh squares.topojson --segments --json").out, "hash"));
   }
   EXPECT_TRUE(folder_.Read("m.dynmesh").starts_with("mesh dim=2 box=-1,5,"));
   EXPECT_EQ(Run("replay m.dynmesh --check 1").code, 0);
@@ -54,7 +54,7 @@ TEST_F(Import, APolyOfAMapMeshesLikeTheMap) {
 
 TEST_F(Import, WhatIsCleanedMeshes) {
   WriteInputs();
-  EXPECT_EQ(Run("mesh messy.poly").code, 2);
+  EXPECT_EQ(Run("mesh messy.poly --exact").code, 2);
   const Outcome outcome = Run("import messy.poly --clean -o clean.poly --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const std::vector<std::string> lines = Lines(outcome.out);
@@ -233,7 +233,7 @@ TEST_F(Import, RingsThatAreOpenOrTooShortAreMended) {
               std::string::npos);
   }
   folder_.Write("open.geojson", Polygon(cases[0].rings));
-  EXPECT_EQ(Run("mesh open.geojson").code, 2);
+  EXPECT_EQ(Run("mesh open.geojson --exact").code, 2);
   EXPECT_EQ(Run("import open.geojson -o c.dynmesh").code, 2);
   // A position that is no position is no ring to be mended.
   folder_.Write("bad.geojson", Polygon("[[0, 0], [4]]"));
@@ -287,7 +287,7 @@ TEST_F(Import, TheToleranceThatIsAdvisedClosesTheFinestGap) {
       "[[[1.00000001, 0], [2, 0], [2, 1], [1.00000001, 1], [1.00000001, 0]]]]}"};
   for (const std::string& input : inputs) {
     folder_.Write("g.geojson", input);
-    const Outcome refused = Run("mesh g.geojson --polygons --max-vertices 1000000");
+    const Outcome refused = Run("mesh g.geojson --exact --max-vertices 1000000");
     EXPECT_EQ(refused.code, 1);
     EXPECT_NE(refused.err.find("apart: what is between them takes at least"), std::string::npos)
         << refused.err;

@@ -128,7 +128,8 @@ TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
     SCOPED_TRACE(merged);
     if (merged.empty()) folder_.Write("box.off", kBoxInBox);
     const Outcome made =
-        Run("mesh box.off --json -o m.node -o m.vtu -o m.msh -o m.mesh -o m.svg" + merged);
+        Run("mesh box.off --surroundings --json -o m.node -o m.vtu -o m.msh -o m.mesh -o m.svg" +
+            merged);
     ASSERT_EQ(made.code, 0) << made.err;
     EXPECT_LE(std::stod(Value(made.out, "worst_radius_edge")), 2.0);
     EXPECT_GT(std::stod(Value(made.out, "worst_radius_edge")), 1.5);  // rho is 2, not sqrt 2
@@ -158,7 +159,8 @@ TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
 TEST_F(SpaceCommands, TellOfDihedralAngles) {
   folder_.Write("box.off", kBoxInBox);
   const Outcome made =
-      Run("mesh box.off --min-dihedral 10 --json -o m.node -o d.svg -o m.vtu --fill dihedral");
+      Run("mesh box.off --surroundings --min-dihedral 10 --json -o m.node -o d.svg -o m.vtu "
+          "--fill dihedral");
   ASSERT_EQ(made.code, 0) << made.err;
   const std::string below = Value(made.out, "below_dihedral");
   EXPECT_LE(std::stoi(below), 2);
@@ -173,7 +175,7 @@ TEST_F(SpaceCommands, TellOfDihedralAngles) {
   EXPECT_NE(Run("mesh box.off --min-dihedral 10").out.find("below dihedral "), std::string::npos);
 
   // Slivers that were not removed.
-  const Outcome other = Run("mesh box.off --min-dihedral 0 --json -o s.node");
+  const Outcome other = Run("mesh box.off --surroundings --min-dihedral 0 --json -o s.node");
   EXPECT_EQ(Value(other.out, "below_dihedral"), "0");  // without a bound
   const Outcome measured = Run("stats s.node --json --min-dihedral 10");
   ASSERT_EQ(measured.code, 0) << measured.err;
@@ -310,7 +312,7 @@ TEST_F(SpaceCommands, FacesInOnePlaneWithinTheDigitsAreOne) {
   const Outcome joined = Run("mesh m.off -o m.node");
   EXPECT_EQ(joined.code, 0);
   EXPECT_TRUE(joined.err.starts_with(said)) << joined.err;
-  EXPECT_EQ(Run("mesh m.off --keep-facets -o k.node").err, "");
+  EXPECT_EQ(Run("mesh m.off --surroundings --keep-facets -o k.node").err, "");
   // What judges a mesh reads in the same way.
   const Outcome judged = Run("verify m.node --input m.off");
   EXPECT_EQ(judged.code, 0) << judged.out << judged.err;
@@ -323,7 +325,7 @@ TEST_F(SpaceCommands, FacesInOnePlaneWithinTheDigitsAreOne) {
   EXPECT_EQ(Value(summary, "corners_moved"), "4");
   EXPECT_EQ(Value(Run("import m.off --keep-facets --json -o k.dynmesh").out, "polygons"), "4");
   write("1.201");
-  EXPECT_EQ(Run("mesh m.off").err, "");
+  EXPECT_EQ(Run("mesh m.off --surroundings").err, "");
   for (const std::string command : {"mesh", "verify", "import", "load"}) {
     EXPECT_NE(Run(command + " --help").out.find("--keep-facets"), std::string::npos);
     EXPECT_EQ(Run(command + " --help").out.find("--join-flat"), std::string::npos);
@@ -352,8 +354,11 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.000000001\n3 0 1 2\n3 0 2 3\n");
   EXPECT_EQ(count(0), 2);
   EXPECT_EQ(count(0.01), 1);
-  EXPECT_EQ(Run("mesh m.off --keep-facets --merge-coplanar --coplanar-tolerance 0.01").err, "");
-  EXPECT_EQ(Run("mesh m.off --keep-facets").err, "");
+  EXPECT_EQ(Run("mesh m.off --surroundings --keep-facets --merge-coplanar "
+                "--coplanar-tolerance 0.01")
+                .err,
+            "");
+  EXPECT_EQ(Run("mesh m.off --surroundings --keep-facets").err, "");
   EXPECT_NE(Run("verify --help").out.find("--merge-coplanar"), std::string::npos);
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }
