@@ -48,11 +48,17 @@ double DiagonalOf(const std::vector<Feature>& features, int dimension) {
   return std::sqrt(sum);
 }
 
-// OK if a mesh accepts it, and has no more vertices than it may have by default, as far as that is
-// known before.
+// In 2D, gaps that take more vertices than this, or that for each feature, are too fine to be
+// meant.
+constexpr std::uint64_t kVerticesOfGaps = 200'000, kVerticesOfGapsForFeature = 100;
+
+// OK if a mesh accepts it, and gaps do not take too many vertices, as far as that is known before.
 absl::Status Refusal(const Geometry& geometry) {
   MeshOptions options = geometry.options;
-  options.limits.max_vertices = DefaultMostVertices(geometry.features, options);
+  options.limits.max_vertices =
+      options.dimension == 2
+          ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * geometry.features.size())
+          : DefaultMostVertices(geometry.features, options);
   const auto mesh = DynamicMesh::Create(options);
   return mesh.ok() ? (*mesh)->Validate(AddAll(geometry.features)) : mesh.status();
 }
@@ -142,7 +148,7 @@ class Cleaner {
   }
 
   // What cleaning with the tolerance makes. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
-  // OUT_OF_RANGE if it is too far from the input.
+  // OUT_OF_RANGE if it is too far from the input; NOT_FOUND if nothing is left.
   absl::StatusOr<Prepared> Clean(double tolerance) const {
     Prepared prepared = {raw_, {}};
     Report& report = prepared.report;
@@ -152,7 +158,11 @@ class Cleaner {
                                                             : CleanSpace(tolerance, prepared);
     if (!status.ok()) return status;
     if (!(report.tolerance <= within_)) return TooFar();
-    if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) return TooFar();
+    if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) {
+      return absl::NotFoundError(
+          Concat("nothing is left: 0 polygons and 0 segments; none has an area or a length of ",
+                 static_cast<float>(tolerance)));
+    }
     const int dimension = raw_.options.dimension;
     const double least = std::min(kLeastBound * report.tolerance, within_);
     const auto there =
@@ -265,12 +275,17 @@ bool Describe(const Geometry& geometry, double within, Report& report) {
 }
 
 // The result of the least tolerance that a mesh accepts; if open edges are `to_close`, that of the
-// least one that closes them, if there is one.
-std::optional<Prepared> Mend(const Cleaner& cleaner, const Report& as_read, bool to_close) {
+// least one that closes them, if there is one. NOT_FOUND if the least tolerance leaves nothing.
+absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
+                                             bool to_close) {
   std::optional<Prepared> best;
-  for (const double tolerance : cleaner.Tolerances()) {
+  const std::vector<double> tolerances = cleaner.Tolerances();
+  for (const double tolerance : tolerances) {
     absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
-    if (absl::IsOutOfRange(cleaned.status())) break;
+    if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
+      return cleaned.status();
+    }
+    if (absl::IsOutOfRange(cleaned.status()) || absl::IsNotFound(cleaned.status())) break;
     if (!cleaned.ok() || !Refusal(cleaned->geometry).ok()) continue;
     cleaned->report.found = as_read.found;
     cleaned->report.open_edges = as_read.open_edges;
@@ -329,8 +344,11 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
     const double within = within_of(*raw);
     const Cleaner cleaner(*std::move(raw), reading, io::FindFormat(path)->Is(io::kSurface), within);
-    std::optional<Prepared> mended = Mend(cleaner, as_read.report, to_close);
-    if (mended) return timed(*std::move(mended));
+    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
+    if (!mended.ok()) {
+      return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));
+    }
+    if (*mended) return timed(**std::move(mended));
   }
   if (!unread.ok()) return unread;
   return timed(std::move(as_read));

@@ -160,6 +160,18 @@ TEST_F(PrepareTest, ARingWithoutAreaSpoilsItselfOnly) {
   EXPECT_EQ(Count(prepared, FeatureKind::kPolygon), 1U);
 }
 
+TEST_F(PrepareTest, APolygonWithoutAreaIsAnError) {
+  io::GeometryOptions reading;
+  reading.polygons = true;
+  const auto status =
+      Prepare(folder_.Write("flat.geojson", MapOf("[[0,0],[4,0],[2,0],[0,0]]")), reading, {})
+          .status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("flat.geojson: nothing is left: 0 polygons and 0 segments"),
+            std::string::npos)
+      << status;
+}
+
 TEST_F(PrepareTest, GapsThatTakeTooManyVerticesAreClosed) {
   // Two squares 1e-8 apart.
   const Prepared prepared =
