@@ -16,7 +16,7 @@ from __future__ import annotations
 from dynmesh import _core
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._fields import Fields
-from dynmesh._files import FileInput, read_input
+from dynmesh._files import FileInput, read_input, read_surface
 from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
@@ -71,4 +71,5 @@ __all__ = [
     "connect",
     "open",
     "read_input",
+    "read_surface",
 ]

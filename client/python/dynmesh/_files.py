@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
-from typing import Any, Union
+from dataclasses import dataclass, field
+from typing import Any, Optional, Union
 
 from dynmesh import _core
 from dynmesh._types import Label
@@ -30,6 +30,10 @@ class FileInput:
     places: dict[int, str]
     #: What was left out of the file's content.
     warnings: list[str]
+    #: Of `read_surface`: "mended" (else the file is as it was read), "found" (what a mesh refuses of
+    #: it, or ""), "within", "tolerance", "farthest" (a bound of how far it moved, up to a factor of
+    #: 2), "open_edges_read", "open_edges", "seconds", and "changes", counts by kind.
+    preparation: dict[str, Any] = field(default_factory=dict)
 
 
 def _edits_of(features: list[dict[str, Any]]) -> dict[str, Any]:
@@ -67,3 +71,27 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
                             keep_facets)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
                      read["warnings"])
+
+
+def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] = None,
+                 polygons: bool = True, keep_facets: bool = False) -> FileInput:
+    """The features in a surface file or a map, mended where a mesh refuses them.
+
+    The same as the command `dynmesh mesh` does. A file that a mesh accepts is as `read_input` reads
+    it. Else what crosses, overlaps, nearly touches or is there twice is mended, with the least
+    tolerance that does, and cracks between open edges of a surface are closed. If nothing within
+    the distance helps, it is as it was read: a mesh refuses it.
+
+    Raises `InvalidArgument` with file and line for bad content, and if nothing is left.
+
+    Args:
+        path: as of `read_input`. Surfaces, maps, and 2D .poly and .node are prepared; others if
+            `within` is given.
+        within: how far an edge or a face may move, to both sides; None: 1e-4 of the diagonal of the
+            input's box.
+        polygons: rings of a map are polygons, not segments.
+        keep_facets: as of `read_input`.
+    """
+    read = _core.read_surface(os.fspath(path), within, polygons, keep_facets)
+    return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
+                     read["warnings"], read["preparation"])

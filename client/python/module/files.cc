@@ -3,21 +3,19 @@
 
 #include <pybind11/stl.h>
 
+#include <optional>
+
+#include "client/preparation/prepare.h"
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "client/python/module/status.h"
+#include "core/base/text.h"
+#include "core/io/api/file_input.h"
 
 namespace dynmesh::python {
 namespace {
 
-py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool refine,
-              bool keep_facets) {
-  absl::StatusOr<FileInput> input = absl::UnknownError("");
-  {
-    py::gil_scoped_release release;
-    input = ReadInput(path, InputChoices{merge_coplanar, polygons, refine, keep_facets});
-  }
-  const FileInput file = Value(std::move(input));
+py::dict DictOf(const FileInput& file) {
   py::list holes;
   for (const auto& [x, y, z] : file.holes) {
     holes.append(file.options.dimension == 2 ? py::make_tuple(x, y) : py::make_tuple(x, y, z));
@@ -31,11 +29,53 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
   return result;
 }
 
+py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool refine,
+              bool keep_facets) {
+  absl::StatusOr<FileInput> input = absl::UnknownError("");
+  {
+    py::gil_scoped_release release;
+    input = ReadInput(path, InputChoices{merge_coplanar, polygons, refine, keep_facets});
+  }
+  return DictOf(Value(std::move(input)));
+}
+
+// "mended" and so on: what was done, and how far the result is from the file.
+py::dict ReadSurface(const std::string& path, std::optional<double> within, bool polygons,
+                     bool keep_facets) {
+  absl::StatusOr<preparation::Prepared> prepared = absl::UnknownError("");
+  {
+    py::gil_scoped_release release;
+    io::GeometryOptions reading;
+    reading.polygons = polygons;
+    reading.keep_facets = keep_facets;
+    prepared = preparation::Prepare(path, reading, {within, within.has_value()});
+  }
+  preparation::Prepared value = Value(std::move(prepared));
+  const preparation::Report& report = value.report;
+  py::dict told;
+  told["mended"] = report.is_mended;
+  told["found"] = std::string(text::View(report.found.message()));
+  told["within"] = report.within;
+  told["tolerance"] = report.tolerance;
+  told["farthest"] = report.farthest;
+  told["open_edges_read"] = report.open_edges;
+  told["open_edges"] = report.open_edges_after;
+  told["seconds"] = report.seconds;
+  py::dict changes;
+  for (const auto& [what, count] : report.changes) changes[py::str(what)] = count;
+  told["changes"] = changes;
+  py::dict result = DictOf(io::InputOf(std::move(value.geometry)));
+  result["preparation"] = told;
+  return result;
+}
+
 }  // namespace
 
 void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));
+  module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"), py::arg("polygons"),
+             py::arg("keep_facets"));
 }
 
 }  // namespace dynmesh::python

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/io/api/file_input.h"
 #include "core/io/common/feature_labels.h"
 #include "core/io/formats/geometry.h"
 #include "core/io/formats/mesh_input.h"
@@ -30,6 +31,17 @@ Mesh MeshOfLeaves(const io::LeafList& list) {
 
 }  // namespace
 
+FileInput io::InputOf(Geometry geometry) {
+  FileInput input;
+  input.features = std::move(geometry.features);
+  input.options = geometry.options;
+  for (const SeedRow& hole : geometry.holes) input.holes.push_back(hole.position);
+  for (const Feature& f : input.features) input.places[f.id] = geometry.where(f.id);
+  input.warnings = std::move(geometry.warnings);
+  SetLabels(*geometry.labels, input.features);
+  return input;
+}
+
 absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices& choices) {
   io::GeometryOptions reading;
   reading.polygons = choices.polygons;
@@ -40,14 +52,7 @@ absl::StatusOr<FileInput> ReadInput(const std::string& path, const InputChoices&
   if (geometry->options.dimension == 3 && (choices.merge_coplanar || choices.refine)) {
     if (auto s = io::JoinFaces(0, nullptr, path, *geometry); !s.ok()) return s;
   }
-  FileInput input;
-  input.features = std::move(geometry->features);
-  input.options = geometry->options;
-  for (const io::SeedRow& hole : geometry->holes) input.holes.push_back(hole.position);
-  for (const Feature& f : input.features) input.places[f.id] = geometry->where(f.id);
-  input.warnings = std::move(geometry->warnings);
-  io::SetLabels(*geometry->labels, input.features);
-  return input;
+  return io::InputOf(*std::move(geometry));
 }
 
 absl::StatusOr<FileInput> ReadInput(const std::string& path, bool merge_coplanar) {

@@ -57,3 +57,43 @@ def test_errors_name_line_and_formats(tmp_path):
         dynmesh.read_input(tmp_path / "a.xyz")
     with pytest.raises(dynmesh.NotFound):
         dynmesh.read_input(tmp_path / "none.off")
+
+
+def test_a_surface_that_a_mesh_refuses_is_mended(tmp_path):
+    """Two boxes that cross; a crack of a millionth; and a box that needs nothing."""
+    def box(lo, hi, top=None):
+        corners = [[hi if i >> k & 1 else lo for k in range(3)] for i in range(8)]
+        faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        if top is not None:
+            faces[1] = [8, 9, 11, 10]
+            corners += [[x, y, top] for x, y, _ in corners[4:]]
+        return corners, faces
+
+    def write(name, *boxes):
+        points = [point for corners, _ in boxes for point in corners]
+        lines, first = [], 0
+        for corners, faces in boxes:
+            lines += ["4 " + " ".join(str(first + c) for c in face) for face in faces]
+            first += len(corners)
+        (tmp_path / name).write_text(
+            f"OFF\n{len(points)} {len(lines)} 0\n"
+            + "\n".join(" ".join(map(repr, point)) for point in points) + "\n"
+            + "\n".join(lines) + "\n")
+        return tmp_path / name
+
+    sound = write("sound.off", box(0.0, 1.0))
+    read = dynmesh.read_surface(sound)
+    assert not read.preparation["mended"]
+    assert read.edits == dynmesh.read_input(sound).edits
+    crossing = write("crossing.off", box(0.0, 1.0), box(0.5, 1.5))
+    with pytest.raises(dynmesh.DynmeshError):
+        plain = dynmesh.read_input(crossing)
+        dynmesh.open(**plain.options).apply(**plain.edits)
+    mended = dynmesh.read_surface(crossing)
+    assert mended.preparation["mended"] and mended.preparation["found"]
+    assert mended.preparation["farthest"] <= mended.preparation["within"]
+    dynmesh.open(**mended.options).apply(**mended.edits)
+    crack = dynmesh.read_surface(write("crack.off", box(0.0, 1.0, 1.000001)))
+    assert (crack.preparation["open_edges_read"], crack.preparation["open_edges"]) == (8, 0)
+    with pytest.raises(dynmesh.InvalidArgument):
+        dynmesh.read_surface(crossing, within=-1.0)
