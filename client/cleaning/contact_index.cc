@@ -17,7 +17,7 @@ namespace {
 namespace index = boost::geometry::index;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-Kernel::Point_3 Exact(const Point3& p) { return {p[0], p[1], p[2]}; }
+Kernel::Point_3 ExactOf(const Point3& p) { return {p[0], p[1], p[2]}; }
 
 Box3 BoxOf(std::span<const Point3> points, std::span<const Node> corners) {
   const Point3& first = points[corners[0]];
@@ -65,13 +65,15 @@ double SquaredDistanceOf(const Part& a, const Part& b) {
   return least;
 }
 
-Kernel::Triangle_3 FaceOf(const Part& a) { return {Exact(a.p[0]), Exact(a.p[1]), Exact(a.p[2])}; }
-Kernel::Segment_3 EdgeOf(const Part& a) { return {Exact(a.p[0]), Exact(a.p[1])}; }
+Kernel::Triangle_3 FaceOf(const Part& a) {
+  return {ExactOf(a.p[0]), ExactOf(a.p[1]), ExactOf(a.p[2])};
+}
+Kernel::Segment_3 EdgeOf(const Part& a) { return {ExactOf(a.p[0]), ExactOf(a.p[1])}; }
 
 bool DoMeet(const Part& face, const Part& other) {
   if (other.size == 3) return CGAL::do_intersect(FaceOf(face), FaceOf(other));
   if (other.size == 2) return CGAL::do_intersect(FaceOf(face), EdgeOf(other));
-  return CGAL::do_intersect(FaceOf(face), Exact(other.p[0]));
+  return CGAL::do_intersect(FaceOf(face), ExactOf(other.p[0]));
 }
 
 bool AreTooNear(const Part& face, const Part& other, double distance) {
@@ -116,7 +118,7 @@ bool HasContact(std::span<const Point3> points, const ContactElement& face,
     return CGAL::do_intersect(EdgeOf(edge), EdgeOf(t));
   }
   // Two faces at an edge: in one plane, and on one side of it?
-  const auto a = Exact(s.p[0]), b = Exact(s.p[1]), c = Exact(s.p[2]), d = Exact(t.p[2]);
+  const auto a = ExactOf(s.p[0]), b = ExactOf(s.p[1]), c = ExactOf(s.p[2]), d = ExactOf(t.p[2]);
   return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
 }
 
@@ -165,7 +167,7 @@ bool ContactIndex::HasCornersIn(std::span<const std::array<Node, 4>> tetrahedra,
   for (const auto& tetrahedron : tetrahedra) {
     const Box3 box = BoxOf(points_, tetrahedron);
     std::array<Kernel::Point_3, 4> corners;
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = Exact(points_[tetrahedron[i]]);
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = ExactOf(points_[tetrahedron[i]]);
     const auto side = [](const std::array<Kernel::Point_3, 4>& c) {
       return CGAL::orientation(c[0], c[1], c[2], c[3]);
     };
@@ -177,7 +179,7 @@ bool ContactIndex::HasCornersIn(std::span<const std::array<Node, 4>> tetrahedra,
       if (std::find(tetrahedron.begin(), tetrahedron.end(), n) != tetrahedron.end()) return false;
       for (std::size_t i = 0; i < 4; ++i) {
         auto with = corners;
-        with[i] = Exact(p);
+        with[i] = ExactOf(p);
         if (side(with) == -of_all) return false;
       }
       return true;

@@ -20,19 +20,19 @@ using Rational = CGAL::Exact_rational;
 // sin^2 of 0.001 degrees and a margin, so that accepted angles pass the mesh's check.
 constexpr double kAngleBound = 3.046174197557781e-10 * (1 + 1e-6);
 
-int Orientation(const Point& a, const Point& b, const Point& c) {
+int OrientationOf(const Point& a, const Point& b, const Point& c) {
   return CGAL::orientation(Kernel::Point_2(a[0], a[1]), Kernel::Point_2(b[0], b[1]),
                            Kernel::Point_2(c[0], c[1]));
 }
 
 // True if the open segments ab and cd cross. Exact.
-bool Cross(const Point& a, const Point& b, const Point& c, const Point& d) {
+bool DoCross(const Point& a, const Point& b, const Point& c, const Point& d) {
   for (std::size_t i = 0; i < 2; ++i) {
     if (std::max(a[i], b[i]) < std::min(c[i], d[i])) return false;
     if (std::max(c[i], d[i]) < std::min(a[i], b[i])) return false;
   }
-  return Orientation(a, b, c) * Orientation(a, b, d) < 0 &&
-         Orientation(c, d, a) * Orientation(c, d, b) < 0;
+  return OrientationOf(a, b, c) * OrientationOf(a, b, d) < 0 &&
+         OrientationOf(c, d, a) * OrientationOf(c, d, b) < 0;
 }
 
 // The crossing point, computed exactly, each coordinate rounded to an adjacent double. So it does
@@ -162,7 +162,7 @@ absl::StatusOr<std::vector<Rounds::Crossing>> Rounds::FindCrossings() const {
   const auto at = [this](Node v) -> const Point& { return graph_.nodes.at(v); };
   VisitEdgesThatMeet(graph_, crossings_seen_, [&](EdgeIndex e, EdgeIndex f) {
     const Edge &s = graph_.edges[e], &t = graph_.edges[f];
-    if (ShareAnEnd(s, t) || !Cross(at(s.a), at(s.b), at(t.a), at(t.b))) return true;
+    if (ShareAnEnd(s, t) || !DoCross(at(s.a), at(s.b), at(t.a), at(t.b))) return true;
     crossings.push_back({e, f, {}});
     if (crossings.size() > 2 * max_crossings_) drop_doubles();
     return crossings.size() <= 2 * max_crossings_;

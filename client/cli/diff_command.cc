@@ -6,7 +6,9 @@
 #include "client/cli/compare_meshes.h"
 #include "client/cli/json.h"
 #include "client/cli/words.h"
-#include "core/io/meshes/mesh_files.h"
+#include "core/base/text.h"
+#include "core/io/formats/formats.h"
+#include "core/io/formats/mesh_input.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -58,9 +60,9 @@ std::string FormatText(const MeshComparison& c, bool in_space) {
 }
 
 int Run(const DiffCommand& command) {
-  const absl::StatusOr<io::MeshFiles> a = io::ReadMeshFiles(command.a);
+  const absl::StatusOr<io::MeshFiles> a = io::ReadAnyMesh(command.a);
   if (!a.ok()) return ReportError(a.status());
-  const absl::StatusOr<io::MeshFiles> b = io::ReadMeshFiles(command.b);
+  const absl::StatusOr<io::MeshFiles> b = io::ReadAnyMesh(command.b);
   if (!b.ok()) return ReportError(b.status());
   if (a->mesh.dimension != b->mesh.dimension) {
     return ReportError(absl::InvalidArgumentError("one mesh is 2D, the other 3D"));
@@ -80,7 +82,11 @@ void RegisterDiffCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(
       app, slot, "diff", "Compare two mesh files: exit code 0 if they are the same, 1 if not",
       [command] { return Run(*command); });
-  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge; in 3D with .face")->required();
+  const auto is_mesh = [](const io::Format& f) { return f.read_mesh != nullptr && f.IsMainFile(); };
+  sub->add_option("A", command->a,
+                  text::Concat("A mesh as ", io::ListOfFormats(is_mesh),
+                               ", with .ele and .edge beside a .node, in 3D .face"))
+      ->required();
   sub->add_option("B", command->b, "Another")->required();
   sub->add_flag("--json", command->json, "Print one JSON object");
 }

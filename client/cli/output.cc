@@ -19,8 +19,6 @@ using text::Concat;
 // Is it one of Triangle's or TetGen's files of a mesh, with a common base name?
 bool IsMeshPart(const std::string& path) { return io::StemOfMeshFiles(path) != path; }
 
-bool HasSecondOrder(const io::Format& f) { return f.Is(io::kSecondOrder) && f.IsMainFile(); }
-
 // "z=0.5", or "z" for the middle.
 absl::Status ParseCut(std::string_view flag, std::string_view text, io::SvgOptions& svg) {
   const std::size_t axis =
@@ -91,7 +89,7 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       ->allow_extra_args(false);
   command
       .add_option("--order", flags.order,
-                  Concat("Order of the elements in ", io::ListOfFormats(HasSecondOrder, "and"),
+                  Concat("Order of the elements in ", io::SecondOrderFormats(),
                          "; 2: with a node in the middle of each edge (default: 1)"))
       ->type_name("1|2")
       ->check(CLI::Range(1, 2));
@@ -140,12 +138,9 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
 absl::Status CheckOutputs(const OutputFlags& flags) {
   for (const std::string& path : flags.paths) {
     if (auto status = io::CheckMeshOutput(path); !status.ok()) return status;
-    const io::Format& format = *io::FindFormat(path);
-    const bool has_elements = format.write_mesh != nullptr && !format.Is(io::kPicture);
-    if (flags.order == 2 && has_elements && !format.Is(io::kSecondOrder)) {
-      return absl::InvalidArgumentError(
-          Concat(path, ": --order 2 is for ", io::ListOfFormats(HasSecondOrder, "and")));
-    }
+    const bool has_elements = io::FindFormat(path)->write_mesh != nullptr;
+    if (!has_elements) continue;
+    if (auto status = io::CheckOrder(flags.order, "--order", path); !status.ok()) return status;
   }
   return PictureOptions(flags, MeshOptions(), false).status();
 }

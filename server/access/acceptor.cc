@@ -29,7 +29,7 @@ using Clock = ConnectionTable::Clock;
 // For files, and for sockets that gRPC opens itself.
 constexpr std::uint64_t kReserve = 67;
 // Until the next try when there is no descriptor for a connection.
-constexpr absl::Duration kRetry = absl::Milliseconds(50);
+constexpr absl::Duration kAcceptAgain = absl::Milliseconds(50);
 // At the connections that wait. A look costs a system call for each.
 constexpr std::chrono::milliseconds kBetweenLooks{10};
 // Least time between two sweeps while there is no room.
@@ -170,7 +170,7 @@ bool Acceptor::AcceptOne(int listening) {
     if (errno == EINTR || errno == ECONNABORTED) return true;
     // Not even a descriptor to refuse it with. Connections without a handshake time out and free
     // some.
-    if (errno != EAGAIN) absl::SleepFor(kRetry);
+    if (errno != EAGAIN) absl::SleepFor(kAcceptAgain);
     return false;
   }
   connection.peer = PeerKeyOf(from).value_or(PeerKey());

@@ -137,7 +137,7 @@ class FailedCall final : public grpc::ServerWriteReactor<Response> {
   void OnDone() override { delete this; }
 };
 
-grpc::internal::RpcMethod::RpcType TypeOf(const google::protobuf::MethodDescriptor& method) {
+grpc::internal::RpcMethod::RpcType RpcTypeOf(const google::protobuf::MethodDescriptor& method) {
   using Rpc = grpc::internal::RpcMethod;
   if (method.client_streaming()) {
     return method.server_streaming() ? Rpc::BIDI_STREAMING : Rpc::CLIENT_STREAMING;
@@ -158,7 +158,8 @@ MeshServiceImpl::MeshServiceImpl(ServiceContext* context,
   for (int i = 0; i < service.method_count(); ++i) {
     const google::protobuf::MethodDescriptor& method = *service.method(i);
     paths_.push_back(absl::StrCat("/", service.full_name(), "/", method.name()));
-    AddMethod(new grpc::internal::RpcServiceMethod(paths_.back().c_str(), TypeOf(method), nullptr));
+    AddMethod(
+        new grpc::internal::RpcServiceMethod(paths_.back().c_str(), RpcTypeOf(method), nullptr));
   }
   RegisterUnary("CreateMesh", &MeshServiceImpl::CreateMesh);
   RegisterUnary("GetMesh", &MeshServiceImpl::GetMesh);

@@ -3,10 +3,11 @@
     locks_test.py SOURCE BUILD
 
 The locks are those of core/base/mutex.h, the annotations Abseil's. A source is checked with the
-options that BUILD/compile_commands.json has for it; no code is made. The sources of a target that
-have the same options are read as one, so that their headers are read once. All sources of server,
-client and core that include that header, themselves or through others, have to be in the build, and
-there may be no lock that the check does not see.
+options that BUILD/compile_commands.json has for it; no code is made. The sources with the same
+options are read as one, so that their headers are read once. If clang has something against them,
+the sources of each target are read as one: a unity build does so, and names are unique there. All
+sources of server, client and core that include that header, themselves or through others, have to be
+in the build, and there may be no lock that the check does not see.
 
 The check is checked first: clang has to refuse a field that is read without its lock. Ends with 77,
 skipped, where there is no clang.
@@ -42,8 +43,7 @@ CHECK = (
 )
 # Parts that a build may lack, with the libraries that they need.
 OPTIONAL = ("server/journal/postgres", "server/journal/open_postgres", "client/python/")
-# A target, and the options of its sources.
-Key = tuple[str, tuple[str, ...]]
+Options = tuple[str, ...]
 FAULT = """
 #include "core/base/mutex.h"
 struct Counter {
@@ -99,20 +99,22 @@ class Sources:
         return self._sees[name]
 
 
-def units(root: pathlib.Path, build: pathlib.Path, seen: Sources) -> dict[Key, list[str]]:
-    """The sources that see a lock, by target and options."""
-    found: dict[Key, list[str]] = {}
+def units(
+    root: pathlib.Path, build: pathlib.Path, seen: Sources
+) -> dict[Options, dict[str, list[str]]]:
+    """The sources that see a lock, by options and target."""
+    found: dict[Options, dict[str, list[str]]] = {}
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     for entry in commands:
         file = pathlib.Path(entry["directory"], entry["file"])
         if "cmake_pch" in file.name or not file.is_file():
             continue
-        key = (target_of(entry["command"]), options_of(entry["command"]))
+        targets = found.setdefault(options_of(entry["command"]), {})
         for source in sources_of(file):
             name = os.path.relpath(source, root)
             if name.startswith(ROOTS) and seen.see_a_lock(name):
-                found.setdefault(key, []).append(name)
-    return found
+                targets.setdefault(target_of(entry["command"]), []).append(name)
+    return {options: targets for options, targets in found.items() if targets}
 
 
 def refused(clang: str, options: tuple[str, ...], text: str, root: pathlib.Path) -> str:
@@ -151,7 +153,7 @@ def faults(clang: str, root: pathlib.Path, build: pathlib.Path, names: list[str]
     """What clang has against the sources, and those that are not in the build."""
     seen = Sources(root)
     groups = units(root, build, seen)
-    checked = {name for group in groups.values() for name in group}
+    checked = {name for targets in groups.values() for group in targets.values() for name in group}
     found = [
         f"{name} is in no target of {build}"
         for name in names
@@ -159,13 +161,26 @@ def faults(clang: str, root: pathlib.Path, build: pathlib.Path, names: list[str]
         if not name.startswith(OPTIONAL)
     ]
 
-    def check(item: tuple[Key, list[str]]) -> str:
-        (_, options), group = item
+    def read(options: Options, group: list[str]) -> str:
         return refused(clang, options, "".join(f'#include "{root / n}"\n' for n in group), root)
 
+    def check(item: tuple[Options, dict[str, list[str]]]) -> str:
+        options, targets = item
+        said = read(options, sum(targets.values(), []))
+        if not said or len(targets) == 1:
+            return said
+        alone = "".join(read(options, group) for group in targets.values())
+        if not alone:
+            print(f"{len(targets)} targets are read one by one, which takes longer:\n{said[:400]}")
+        return alone
+
+    def size(item: tuple[Options, dict[str, list[str]]]) -> int:
+        return sum(map(len, item[1].values()))
+
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        found += [said for said in pool.map(check, groups.items()) if said]
-    print(f"{len(checked)} sources in {len(groups)} units")
+        largest_first = sorted(groups.items(), key=size, reverse=True)
+        found += [said for said in pool.map(check, largest_first) if said]
+    print(f"{len(checked)} sources with {len(groups)} sets of options")
     return found
 
 

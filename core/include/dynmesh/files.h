@@ -73,13 +73,23 @@ absl::StatusOr<std::vector<Feature>> ReadSizes(const std::string& path, const Fi
 absl::StatusOr<Mesh> KeepInside(const Mesh& mesh,
                                 std::span<const std::array<double, 3>> holes = {});
 
+// How a mesh is written.
+struct OutputChoices {
+  int order = 1;            // of elements; 2: with a node in the middle of each edge
+  bool from_zero = false;   // a .node and the files beside it are numbered from 0, not 1
+  bool neighbours = false;  // with a .node, the neighbours of simplices as .neigh
+  bool voronoi = false;     // with a .node, the Voronoi diagram as .v.node and .v.edge
+};
+
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in
 // 3D, .face beside it; .poly, .smesh or .neigh with that file, too), .vtu, .msh (Gmsh 4.1), .mesh
 // (Medit) or .svg (a picture: angles of triangles, of a 3D mesh those in a cut); a quadtree to
-// .csv, .vtu or .svg. Names of labels become groups. Either the files are complete, or the former
-// ones stay. INVALID_ARGUMENT for another extension, or a mesh with unknown ids; UNAVAILABLE if a
-// file cannot be written. O(n lg n).
-absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path);
+// .csv, .vtu or .svg. `choices` are as above. Names of labels become groups. Either the files are
+// complete, or the former ones stay. INVALID_ARGUMENT for another extension, a mesh with unknown
+// ids, or an order that the format does not have; UNAVAILABLE if a file cannot be written.
+// O(n lg n).
+absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path,
+                       const OutputChoices& choices = {});
 
 // Reads the mesh at `path`, by its extension. Of a .node, .ele, .edge or .face, and of the leaves
 // of a quadtree (.csv), as WriteMesh writes them, it is the same mesh, at revision 0. Of a .vtu,

@@ -82,9 +82,14 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh, std::span<const std::array<dou
   return mesh_data::OnlyRows(mesh, keep);
 }
 
-absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path) {
+absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path,
+                       const OutputChoices& choices) {
   if (auto s = io::CheckMeshOutputOf(options, path); !s.ok()) return s;
+  if (auto s = io::CheckOrder(choices.order, "order", path); !s.ok()) return s;
   io::MeshOutput output;
+  output.files.from_zero = choices.from_zero;
+  output.files.neighbours = choices.neighbours;
+  output.files.voronoi = choices.voronoi;
   output.files.rho = output.picture.rho = options.quality;
   output.files.min_dihedral = output.picture.min_dihedral = options.min_dihedral;
   output.picture.crop = options.box;
@@ -98,6 +103,12 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
   if (!mesh.labels.empty()) {
     io::LabelRows(std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh.labels)),
                   false, *indexed);
+  }
+  io::IndexedMesh first_order;  // of which a picture is
+  if (choices.order == 2) {
+    first_order = *indexed;
+    output.shown = &first_order;
+    io::AddMidpoints(*indexed);
   }
   return io::WriteMeshFile(*indexed, output, path);
 }

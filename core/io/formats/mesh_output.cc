@@ -48,6 +48,19 @@ absl::Status CheckMeshOutputOf(const MeshOptions& options, const std::string& pa
   return absl::OkStatus();
 }
 
+std::string SecondOrderFormats() {
+  return ListOfFormats([](const Format& f) { return f.Is(kSecondOrder) && f.IsMainFile(); }, "and");
+}
+
+absl::Status CheckOrder(int order, std::string_view name, const std::string& path) {
+  if (order != 1 && order != 2) return Error(path, Concat(name, " is 1 or 2"));
+  const Format* const format = FindFormat(path);
+  if (order == 1 || format == nullptr || format->Is(kPicture) || format->Is(kSecondOrder)) {
+    return absl::OkStatus();
+  }
+  return Error(path, Concat(name, " 2 is for ", SecondOrderFormats()));
+}
+
 absl::Status WriteMeshFile(const IndexedMesh& mesh, const MeshOutput& output,
                            const std::string& path) {
   const Format* const format = FindFormat(path);

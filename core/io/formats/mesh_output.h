@@ -5,6 +5,7 @@
 #define DYNMESH_CORE_IO_FORMATS_MESH_OUTPUT_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -30,6 +31,10 @@ struct MeshOutput {
 absl::Status CheckMeshOutput(const std::string& path);
 // The same for a mesh of this dimension and kind.
 absl::Status CheckMeshOutputOf(const MeshOptions& options, const std::string& path);
+// INVALID_ARGUMENT unless elements are written with this order and extension: 1, or with some 2. A
+// picture of any order is that of order 1. `name` is what the caller calls the order.
+absl::Status CheckOrder(int order, std::string_view name, const std::string& path);
+std::string SecondOrderFormats();  // ".vtu and .msh"
 
 // REQUIRES: the checks above are OK.
 absl::Status WriteMeshFile(const IndexedMesh& mesh, const MeshOutput& output,

@@ -48,6 +48,16 @@ TEST_F(Outputs, CompanionsAreWrittenOnRequest) {
   EXPECT_EQ(Run("mesh p.poly -o m.msh -o m.vtu -o m.node -o m.svg --order 2").code, 0);
 }
 
+TEST_F(Outputs, OfEachFormatOfMeshesAreCompared) {
+  ASSERT_EQ(Run("mesh p.poly -o a.node -o a.vtu -o a.msh -o a.mesh").code, 0);
+  ASSERT_EQ(Run("mesh p.poly -q 30 -a 0.01 -o b.node -o b.vtu -o b.msh -o b.mesh").code, 0);
+  for (const std::string extension : {".node", ".vtu", ".msh", ".mesh"}) {
+    EXPECT_EQ(Run("diff a" + extension + " a" + extension).code, 0) << extension;
+    EXPECT_EQ(Run("diff a" + extension + " b" + extension).code, 1) << extension;
+  }
+  EXPECT_EQ(Run("diff p.poly b.csv").code, 2);
+}
+
 // The value of an attribute behind `from`, split at semicolons.
 std::vector<std::string> ValuesOf(const std::string& text, const std::string& attribute,
                                   std::size_t from) {

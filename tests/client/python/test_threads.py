@@ -9,7 +9,8 @@ import dynmesh
 
 THREADS = 8
 # Under a sanitizer the same takes many times as long.
-EDITS = int(os.environ.get("DYNMESH_TEST_EDITS", 1000))
+NIGHTLY = os.environ.get("DYNMESH_NIGHTLY", "0") not in ("", "0")
+EDITS = int(os.environ.get("DYNMESH_TEST_EDITS", 1000 if NIGHTLY else 300))
 
 
 def run(*functions):

@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "tests/server/journal/damage_fixture.h"
+#include "tests/support/nightly.h"
 #include "tests/support/seed.h"
 
 namespace dynmesh::server {
@@ -19,8 +20,9 @@ using Entry = Journal::Entry;
 
 // ------------------------------------------------------------------ every byte of the log
 
-// An eighth of the places each, so that they run side by side.
-constexpr int kParts = 8;
+// An eighth of the places each, so that they run side by side. At night all of them, by day one of
+// kStride, another one in each run.
+constexpr std::size_t kParts = 8, kStride = 5;
 class EveryByteOfTheLog : public DamageTest, public ::testing::WithParamInterface<int> {
  protected:
   void SetUp() override {
@@ -30,29 +32,40 @@ class EveryByteOfTheLog : public DamageTest, public ::testing::WithParamInterfac
     journal_.reset();
     ASSERT_GT(files_[kLog].size(), 10'000u);
     ASSERT_LT(files_[kLog].size(), 100'000u);
+    seed_ = test::NewSeed();
+    step_ = kParts;
+    first_ = static_cast<std::size_t>(GetParam());
+    if (!test::IsNightly()) {
+      step_ *= kStride;
+      first_ += kParts * (seed_ % kStride);
+    }
   }
   Files files_;
+  std::uint64_t seed_ = 0;
+  std::size_t first_ = 0, step_ = 0;
 };
 
 TEST_P(EveryByteOfTheLog, FlippedIsRepairedOrNamed) {
+  SCOPED_TRACE(absl::StrCat("seed ", seed_));
   std::size_t named = 0, whole = 0;
   const std::size_t size = files_[kLog].size();
-  for (std::size_t at = static_cast<std::size_t>(GetParam()); at < size; at += kParts) {
+  for (std::size_t at = first_; at < size; at += step_) {
     Files damaged = files_;
-    damaged[kLog][at] = static_cast<char>(damaged[kLog][at] ^ (1 << (at / kParts % 8)));
+    damaged[kLog][at] = static_cast<char>(damaged[kLog][at] ^ (1 << (at / step_ % 8)));
     WriteFiles(damaged, folder_.path());
     ASSERT_TRUE(Open().ok()) << "byte " << at;
     const bool some = !Named().empty();
     ++(some ? named : whole);
     ASSERT_FALSE(HasFailure()) << "byte " << at;
   }
-  EXPECT_GT(named, size / kParts / 3);
+  EXPECT_GT(named, size / step_ / 3);
 }
 
 TEST_P(EveryByteOfTheLog, CutThereIsRepairedOrNamed) {
+  SCOPED_TRACE(absl::StrCat("seed ", seed_));
   std::size_t named = 0;
   const std::size_t size = files_[kLog].size();
-  for (std::size_t at = static_cast<std::size_t>(GetParam()); at < size; at += kParts) {
+  for (std::size_t at = first_; at < size; at += step_) {
     Files damaged = files_;
     damaged[kLog].resize(at);
     WriteFiles(damaged, folder_.path());
@@ -60,7 +73,7 @@ TEST_P(EveryByteOfTheLog, CutThereIsRepairedOrNamed) {
     if (!Named().empty()) ++named;
     ASSERT_FALSE(HasFailure()) << "length " << at;
   }
-  EXPECT_GT(named, size / kParts / 3);
+  EXPECT_GT(named, size / step_ / 3);
 }
 
 TEST_P(EveryByteOfTheLog, FlippedAfterALossOfPowerIsStillNamed) {
@@ -102,7 +115,7 @@ TEST_P(EveryByteOfTheLog, FlippedAfterALossOfPowerIsStillNamed) {
   EXPECT_LT(silent * 3, size / kParts / 7);
 }
 
-INSTANTIATE_TEST_SUITE_P(Parts, EveryByteOfTheLog, ::testing::Range(0, kParts));
+INSTANTIATE_TEST_SUITE_P(Parts, EveryByteOfTheLog, ::testing::Range(0, static_cast<int>(kParts)));
 
 // ------------------------------------------------------------------ no false alarms
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 
@@ -245,6 +246,56 @@ TEST(Files, EachFormatOfTheTableThatIsAMeshIsWrittenAndRead) {
       EXPECT_TRUE(dimension == 3 || all->features.size() > mesh->vertices.size());
     }
   }
+}
+
+// The second number below the heading of the nodes in a .msh: how many there are.
+std::size_t NodesIn(const std::string& path) {
+  std::ifstream in(path);
+  std::string word;
+  while (in >> word && word != "$Nodes") {
+  }
+  std::size_t blocks = 0, nodes = 0;
+  in >> blocks >> nodes;
+  return nodes;
+}
+
+TEST(Files, AMeshIsWrittenAsIsChosen) {
+  const TempFolder folder;
+  const auto input = ReadInput(folder.Write("f.poly", kFrame));
+  ASSERT_TRUE(input.ok()) << input.status();
+  const auto mesh = BuildMesh(input->features, input->options);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  const auto write = [&](const char* name, const OutputChoices& choices) {
+    return WriteMesh(*mesh, input->options, folder.Path(name), choices);
+  };
+
+  ASSERT_TRUE(write("1.msh", {}).ok());
+  ASSERT_TRUE(write("2.msh", {.order = 2}).ok());
+  EXPECT_EQ(NodesIn(folder.Path("1.msh")), mesh->vertices.size());
+  // Euler: there are as many edges as vertices and triangles, less one.
+  EXPECT_EQ(NodesIn(folder.Path("2.msh")), 2 * mesh->vertices.size() + mesh->simplex_count() - 1);
+  ASSERT_TRUE(write("1.svg", {}).ok() && write("2.svg", {.order = 2}).ok());
+  EXPECT_EQ(std::filesystem::file_size(folder.Path("1.svg")),
+            std::filesystem::file_size(folder.Path("2.svg")));
+  const absl::Status no_second_order = write("m.mesh", {.order = 2});
+  EXPECT_TRUE(absl::IsInvalidArgument(no_second_order));
+  EXPECT_NE(std::string(no_second_order.message()).find("order 2 is for .node, .vtu"),
+            std::string::npos)
+      << no_second_order;
+  EXPECT_TRUE(absl::IsInvalidArgument(write("3.msh", {.order = 3})));
+
+  ASSERT_TRUE(write("m.node", {.from_zero = true, .neighbours = true, .voronoi = true}).ok());
+  EXPECT_EQ(ReadMesh(folder.Path("m.node"))->hash, mesh->hash);
+  for (const char* name : {"m.neigh", "m.v.node", "m.v.edge"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.Path(name))) << name;
+  }
+  std::ifstream in(folder.Path("m.node"));
+  std::string line;
+  while (std::getline(in, line) && line[0] == '#') {
+  }
+  while (std::getline(in, line) && line[0] == '#') {
+  }
+  EXPECT_EQ(line.substr(0, 2), "0 ") << line;
 }
 
 TEST(Files, EachFormatOfTheTableThatHasLeavesIsWrittenAndRead) {
