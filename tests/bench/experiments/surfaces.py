@@ -57,7 +57,7 @@ def by_dynmesh(program: pathlib.Path, path: pathlib.Path, closed: bool, limit: f
     """What was made, or the reason for a refusal."""
     out = folder / "mesh.node"
     flags = ["--min-dihedral", "0", "--merge-coplanar" if merged else "--keep-facets"]
-    command = [str(program), "mesh", str(path), *flags, *(["--inside"] if closed else []),
+    command = [str(program), "mesh", str(path), *flags, "--inside" if closed else "--surroundings",
                "--max-vertices", "400000", "-o", str(out), "--json"]
     try:
         made = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
