@@ -60,7 +60,9 @@ inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal)
 }
 
 // Of facets that meet each other at small angles, only so many are tried, for one round. Between
-// them there is seldom room for a point, and around an edge there may be many.
+// them there is seldom room for a point, and around an edge there may be many. An exempt sliver
+// tries as many, and none of the points that cost the most: there are many such slivers, and a
+// twentieth of them would get one.
 inline constexpr std::size_t kSharpCureFacets = 2;
 
 // The facets that the ball may meet, sorted by the distance of their planes from its centre.
@@ -90,25 +92,32 @@ inline bool AnyMeetSharply(std::span<const Facet* const> facets) {
   return false;
 }
 
+// Calls f(ordinal, x, kNil) for the candidates of these ordinals until f returns true. Returns
+// whether it did. REQUIRES: end <= kOnFacet.
+template <class F>
+bool AnyFreeCandidate(const Sliver& sliver, std::uint32_t first, std::uint32_t end, F f) {
+  for (std::uint32_t ordinal = first; ordinal < end; ++ordinal) {
+    if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
+  }
+  return false;
+}
+
 struct CandidatesTried {
   bool found = false;   // f returned true
-  bool are_all = true;  // false: not all facets were tried, since they meet at small angles
+  bool are_all = true;  // false: not all were tried; the sliver is exempt, or facets meet sharply
 };
-// Calls f(ordinal, x, facet) for the candidates in their order until f returns true. facet = kNil:
-// x is on no facet.
+// Calls f(ordinal, x, facet) for the candidates from `first` on, first <= kFirstInBall, until f
+// returns true. facet = kNil: x is on no facet.
 template <template <class> class E, class F>
-CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver, F f) {
-  const auto any_of = [&](std::uint32_t first, std::uint32_t end) {
-    for (std::uint32_t ordinal = first; ordinal < end; ++ordinal) {
-      if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
-    }
-    return false;
-  };
-  if (any_of(0, kFirstInBall)) return {true};
+CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver,
+                                 std::uint32_t first, F f) {
+  if (AnyFreeCandidate(sliver, first, kFirstInBall, f)) return {true};
   const geometry::Point3& c = sliver.centre;
   std::vector<const Facet*> near = FacetsNear(complex, c, sliver.radius);
-  const bool is_sharp = AnyMeetSharply(near);
-  if (is_sharp) near.resize(std::min(near.size(), kSharpCureFacets));
+  const bool are_few = sliver.is_exempt || AnyMeetSharply(near);
+  if (are_few && near.size() > kSharpCureFacets) {
+    near.erase(near.begin() + kSharpCureFacets, near.end());
+  }
   for (const Facet* facet : near) {
     const geometry::FacetPlane& plane = facet->plane();
     const double h = plane.Height(c), wide2 = sliver.radius * sliver.radius - h * h;
@@ -127,7 +136,8 @@ CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sli
       }
     }
   }
-  return {any_of(kFirstInBall, kOnFacet), !is_sharp};
+  if (sliver.is_exempt) return {false, false};
+  return {AnyFreeCandidate(sliver, kFirstInBall, kOnFacet, f), !are_few};
 }
 
 }  // namespace dynmesh::meshing
