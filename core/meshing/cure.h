@@ -2,7 +2,7 @@
 // each sliver gets a Steiner point: the first of a fixed list of candidates such that
 //   all tetrahedra around it would be good: they reach the bound and keep rho and sizes, and
 //   facets and subsegments stay whole.
-// If there is none, the sliver stays. Candidates off facets are tried strictly first: no small
+// If there is none, the sliver stays. The first candidates are tried strictly at first: no small
 // angle around the point has an excuse. An exempt sliver gets no other point: it would be exchanged
 // for others of its kind.
 //
@@ -171,13 +171,14 @@ void CureWork<D, E>::Run(Context& context) {
       };
       is_strict_ = true;
       met_excuse_ = false;
-      CandidatesTried tried = {AnyFreeCandidate(sliver, 0, kFirstInBall, emit_if_good)};
-      if (!tried.found) {
-        is_strict_ = sliver.is_exempt;
-        const bool again = met_excuse_ && !is_strict_;
-        tried = ForEachCandidate(complex_, sliver, again ? 0 : kFirstInBall, emit_if_good);
+      CandidatesTried tried = {AnyFreeCandidate(sliver, 0, kFirstNotStrict, emit_if_good)};
+      if (!tried.found && !sliver.is_exempt) {
+        is_strict_ = false;
+        const std::uint32_t first = met_excuse_ ? 0 : kFirstNotStrict;
+        tried = ForEachCandidate(complex_, sliver, first, emit_if_good);
       }
-      if (!tried.found && tried.are_all && round + 1 < kCureRounds) {
+      const bool goes_on = !tried.found && tried.are_all && !sliver.is_exempt;
+      if (goes_on && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
         if constexpr (!kTraced) {
           failed_[context.item] = {reads.reach, complex_.elements.vertex_end()};

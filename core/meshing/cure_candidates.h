@@ -37,6 +37,9 @@ inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
 inline constexpr std::uint32_t kFirstInBall =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
 inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPositions.size();
+// Those before this one are tried strictly first (cure.h). An exempt sliver gets no other: of those
+// with more, a quarter of the cured ones, the others would take half of the time.
+inline constexpr std::uint32_t kFirstNotStrict = kFirstInShell + 2 * kGridDirections.size();
 
 // The candidate of that ordinal, for ordinals below kOnFacet.
 inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal) {
@@ -60,9 +63,7 @@ inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal)
 }
 
 // Of facets that meet each other at small angles, only so many are tried, for one round. Between
-// them there is seldom room for a point, and around an edge there may be many. An exempt sliver
-// tries as many, and none of the points that cost the most: there are many such slivers, and a
-// twentieth of them would get one.
+// them there is seldom room for a point, and around an edge there may be many.
 inline constexpr std::size_t kSharpCureFacets = 2;
 
 // The facets that the ball may meet, sorted by the distance of their planes from its centre.
@@ -104,7 +105,7 @@ bool AnyFreeCandidate(const Sliver& sliver, std::uint32_t first, std::uint32_t e
 
 struct CandidatesTried {
   bool found = false;   // f returned true
-  bool are_all = true;  // false: not all were tried; the sliver is exempt, or facets meet sharply
+  bool are_all = true;  // false: not all facets were tried, since they meet at small angles
 };
 // Calls f(ordinal, x, facet) for the candidates from `first` on, first <= kFirstInBall, until f
 // returns true. facet = kNil: x is on no facet.
@@ -114,8 +115,8 @@ CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sli
   if (AnyFreeCandidate(sliver, first, kFirstInBall, f)) return {true};
   const geometry::Point3& c = sliver.centre;
   std::vector<const Facet*> near = FacetsNear(complex, c, sliver.radius);
-  const bool are_few = sliver.is_exempt || AnyMeetSharply(near);
-  if (are_few && near.size() > kSharpCureFacets) {
+  const bool is_sharp = AnyMeetSharply(near);
+  if (is_sharp && near.size() > kSharpCureFacets) {
     near.erase(near.begin() + kSharpCureFacets, near.end());
   }
   for (const Facet* facet : near) {
@@ -136,8 +137,7 @@ CandidatesTried ForEachCandidate(const Complex<3, E>& complex, const Sliver& sli
       }
     }
   }
-  if (sliver.is_exempt) return {false, false};
-  return {AnyFreeCandidate(sliver, kFirstInBall, kOnFacet, f), !are_few};
+  return {AnyFreeCandidate(sliver, kFirstInBall, kOnFacet, f), !is_sharp};
 }
 
 }  // namespace dynmesh::meshing

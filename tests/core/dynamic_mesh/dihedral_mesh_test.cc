@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -136,6 +137,47 @@ TEST(Dihedral, ShellsOfOneFacetAreNotConcentric) {
                    " strips of width " + std::to_string(width));
       EXPECT_GT(LeastOf(Needles(strips, width, random), options), kFlat);
     }
+  }
+}
+
+// A block with a needle at an acute edge, whose long edge rises over the next facet. Edges of the
+// needle and their counterparts are on shells about its sharp corner. With one skew for a vertex
+// and its counterpart, a third of these blocks had a tetrahedron of 1e-8 to 1e-10 degrees: a
+// trapezoid.
+TEST(Dihedral, CounterpartsAreBesideTheShellsOfTheirVertices) {
+  constexpr std::uint64_t kSeed = 20261129;
+  test::Random random(kSeed);
+  MeshOptions options = Options(10);
+  options.box = {{-1, -1, -1}, {3, 3, 3}};
+  for (int round = 0; round < 12; ++round) {
+    const double y = 0.001 + 0.009 * random.Unit(), foot = 0.3 + 0.4 * random.Unit();
+    const double below = 0.98 + 0.016 * random.Unit();
+    const double beside = y + (0.2 + 0.6 * random.Unit()) * (foot - y) * (1 - below);
+    const std::vector<std::array<double, 3>> corners = {
+        {0, foot, 0}, {2, foot, 0}, {2, 1, 0}, {0, 1, 0},         {0, 0, 1},
+        {2, y, 1},    {2, 1, 1},    {0, 1, 1}, {2, beside, below}};
+    std::vector<Feature> features;
+    for (const auto& [a, b, c] : corners) {
+      features.push_back(Feature::Point(features.size() + 1, a, b, c));
+    }
+    for (const std::vector<FeatureId>& face : std::vector<std::vector<FeatureId>>{{1, 4, 3, 2},
+                                                                                  {5, 6, 7},
+                                                                                  {5, 7, 8},
+                                                                                  {1, 2, 9},
+                                                                                  {1, 9, 5},
+                                                                                  {5, 9, 6},
+                                                                                  {2, 3, 7},
+                                                                                  {2, 7, 6},
+                                                                                  {2, 6, 9},
+                                                                                  {3, 4, 8},
+                                                                                  {3, 8, 7},
+                                                                                  {4, 1, 5},
+                                                                                  {4, 5, 8}}) {
+      features.push_back(Feature::Polygon(features.size() + 1, {face}));
+    }
+    EXPECT_GT(LeastOf(features, options), 1e-6)
+        << "seed " << kSeed << ", round " << round << ": " << y << " " << beside << " " << foot
+        << " " << below;
   }
 }
 
