@@ -52,9 +52,26 @@ double DiagonalOf(const std::vector<Feature>& features, int dimension) {
 // meant.
 constexpr std::uint64_t kVerticesOfGaps = 200'000, kVerticesOfGapsForFeature = 100;
 
+// Are there two points within `distance` of each other in x, or anything but points?
+// Points without such a pair are surely accepted, and that is found out sooner than by a mesh.
+bool MayBeRefused(const std::vector<Feature>& features, double distance) {
+  std::vector<double> xs;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) return true;
+    xs.push_back(f.position[0]);
+  }
+  std::ranges::sort(xs);
+  for (std::size_t i = 1; i < xs.size(); ++i) {
+    if (!(xs[i] - xs[i - 1] > distance)) return true;
+  }
+  return xs.empty();
+}
+
 // OK if a mesh accepts it, and gaps do not take too many vertices, as far as that is known before.
 absl::Status Refusal(const Geometry& geometry) {
   MeshOptions options = geometry.options;
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  if (!MayBeRefused(geometry.features, LeastDistance(options))) return absl::OkStatus();
   options.limits.max_vertices =
       options.dimension == 2
           ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * geometry.features.size())
