@@ -95,7 +95,7 @@ TEST_F(BuildByDaemonTest, TheCommandReportsErrorsAsInProcess) {
                                     "4 2 0 0\n1 0 0\n2 1 1\n3 0 1\n4 1 0\n"
                                     "2 0\n1 1 2\n2 3 4\n0\n");
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"mesh", crossed},
+       {std::vector<std::string>{"mesh", "--exact", crossed},
         {"mesh", WriteCloud(100), "--max-vertices", "50"},
         {"mesh", WriteCloud(100), "--rho", "1000"}}) {
     const Ran here = RunDynmesh(arguments);
@@ -107,8 +107,8 @@ TEST_F(BuildByDaemonTest, TheCommandReportsErrorsAsInProcess) {
     EXPECT_EQ(there.err, here.err);
   }
   daemon_.End(SIGKILL);
-  const Ran gone =
-      RunDynmesh({"mesh", crossed, "--server", daemon_.address(), "--timeout", "5000ms"});
+  const Ran gone = RunDynmesh(
+      {"mesh", "--exact", crossed, "--server", daemon_.address(), "--timeout", "5000ms"});
   EXPECT_EQ(gone.code, kExitFailed) << gone.err;
 }
 

@@ -69,7 +69,7 @@ def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float
 def dynmesh_of_file(program: pathlib.Path, path: pathlib.Path, flags: list[str],
                     limit: float) -> Optional[Run]:
     """All vertices count."""
-    measured = timed([str(program), "mesh", str(path), *flags, "--json"], limit)
+    measured = timed([str(program), "mesh", str(path), "--surroundings", *flags, "--json"], limit)
     if measured is None:
         return None
     figures = json.loads(measured[2])

@@ -32,19 +32,19 @@ class CommandLimits : public CommandLineFixture {
 
 TEST_F(CommandLimits, TheSearchForRefusalsEndsAfterTen) {
   WriteCrossings(12);
-  const Outcome ten = Run("mesh x.poly");
+  const Outcome ten = Run("mesh --exact x.poly");
   EXPECT_EQ(ten.code, 2);
   EXPECT_EQ(CountOf(ten.err, "cross at"), 10U);
   EXPECT_NE(ten.err.find("at least 10 refusals: the search ended there, --all looks on"),
             std::string::npos)
       << ten.err;
-  const Outcome all = Run("mesh x.poly --all");
+  const Outcome all = Run("mesh --exact x.poly --all");
   EXPECT_EQ(CountOf(all.err, "cross at"), 10U);
   EXPECT_NE(all.err.find("12 refusals, the first 10 told"), std::string::npos) << all.err;
   // With fewer there is nothing to look on for.
   WriteCrossings(3);
-  EXPECT_EQ(Run("mesh x.poly").err, Run("mesh x.poly --all").err);
-  EXPECT_NE(Run("mesh x.poly").err.find("warning: 3 refusals\n"), std::string::npos);
+  EXPECT_EQ(Run("mesh --exact x.poly").err, Run("mesh --exact x.poly --all").err);
+  EXPECT_NE(Run("mesh --exact x.poly").err.find("warning: 3 refusals\n"), std::string::npos);
 }
 
 TEST_F(CommandLimits, MemoryEndsAMeshWithAnError) {
@@ -93,12 +93,12 @@ TEST_F(CommandLimits, AnAddressSpaceThatIsTooSmallIsAnError) {
 TEST_F(CommandLimits, TheDefaultLimitOfVerticesGoesWithTheInput) {
   const std::string gap = "4 2 0 0\n1 0 0\n2 1 0\n3 0 6e-8\n4 1 6e-8\n2 0\n1 1 2\n2 3 4\n0\n";
   folder_.Write("g.poly", gap);
-  const Outcome few = Run("mesh g.poly --max-memory 100G");
+  const Outcome few = Run("mesh --exact g.poly --max-memory 100G");
   EXPECT_EQ(few.code, 1);
   EXPECT_NE(few.err.find("max_vertices = 2000000 is the default of `mesh`"), std::string::npos)
       << few.err;
   // The user's own is no default.
-  const Outcome own = Run("mesh g.poly --max-vertices 6000000 --max-memory 100G");
+  const Outcome own = Run("mesh --exact g.poly --max-vertices 6000000 --max-memory 100G");
   EXPECT_EQ(own.code, 1);
   EXPECT_EQ(own.err.find("is the default"), std::string::npos) << own.err;
 }
