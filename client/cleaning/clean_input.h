@@ -33,6 +33,11 @@
 
 namespace dynmesh::cleaning {
 
+// The default tolerance, in units of the distance below which a mesh refuses features as too close.
+// Cleaning keeps half the tolerance from a segment: so this leaves a factor of 2 for rounding and a
+// smaller box.
+inline constexpr double kDefaultCloseLimits = 4;
+
 struct CleanOptions {
   double tolerance = 0;  // T, in the input's units; positive, at most 2^200
   int max_rounds = 1000;

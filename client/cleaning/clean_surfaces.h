@@ -33,6 +33,10 @@
 
 namespace dynmesh::cleaning {
 
+// The default tolerance, in units of the distance below which a mesh refuses features as too close.
+// Cleaning keeps a fourth of the tolerance from faces.
+inline constexpr double kDefaultSurfaceLimits = 8;
+
 struct SurfaceCleanOptions {
   double tolerance = 0;                   // T, in the input's units; positive, at most 2^140
   int max_rounds = 100;                   // for each tolerance

@@ -32,10 +32,8 @@ using cleaning::ChangeKind;
 using cleaning::CleanResult;
 using text::Concat;
 
-// The default tolerance, in units of the distance below which a mesh refuses features as too close.
-// Cleaning keeps half the tolerance from a segment. So 4 leaves a factor of 2 for rounding and a
-// smaller box; 2 leaves none.
-constexpr double kDefaultCloseLimits = 4;
+// The least tolerance, in units of the distance below which a mesh refuses features as too close: 2
+// would leave nothing for rounding and a smaller box.
 constexpr double kLeastCloseLimits = 2.5;
 
 struct ImportCommand {
@@ -104,8 +102,8 @@ absl::Status CheckInside(const Input& input) {
 
 absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult& result,
                    ImportSummary& summary) {
-  const absl::StatusOr<double> tolerance =
-      ToleranceOf(command.tolerance, input.options, kDefaultCloseLimits, kLeastCloseLimits);
+  const absl::StatusOr<double> tolerance = ToleranceOf(
+      command.tolerance, input.options, cleaning::kDefaultCloseLimits, kLeastCloseLimits);
   if (!tolerance.ok()) return tolerance.status();
   cleaning::CleanOptions options;
   options.tolerance = *tolerance;

@@ -29,9 +29,7 @@ using cleaning::SurfaceChangeKind;
 using cleaning::SurfaceCleanResult;
 using text::Concat;
 
-// Tolerances in units of the distance below which a mesh refuses features as too close. Cleaning
-// keeps a fourth of the tolerance from faces.
-constexpr double kDefaultSurfaceLimits = 8;
+// The least tolerance, in units of the distance below which a mesh refuses features as too close.
 constexpr double kLeastSurfaceLimits = 5;
 
 double DistanceOf(const SurfaceChange& change) {
@@ -85,18 +83,6 @@ void AddTo(JsonObject& summary, const FeatureEdgeReport& report) {
       .Add("simplify_seconds", report.seconds);
 }
 
-using Parts = std::vector<std::pair<FeatureId, FeatureId>>;
-
-// Parts have the labels of what they are a part of.
-void KeepLabels(const Parts& parts, io::FeatureLabels& labels) {
-  for (const auto& [part, whole] : parts) {
-    if (const std::int64_t marker = labels.MarkerOf(whole); marker != 0) {
-      labels.markers[part] = marker;
-    }
-    if (const std::string name = labels.NameOf(whole); !name.empty()) labels.names[part] = name;
-  }
-}
-
 void DropAttributes(const std::string& path, io::FeatureLabels& labels) {
   if (labels.attributes != 0) {
     PrintWarning(Concat(path, ": attributes of points left out by --clean"));
@@ -133,7 +119,7 @@ absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& 
   if (!kept.ok()) return kept.status();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   report = {options.angle, options.within, seconds.count(), kept->sharp_edges, kept->corners};
-  KeepLabels(kept->parts, labels);
+  io::KeepLabelsOfParts(kept->parts, labels);
   result.features = std::move(kept->features);
   result.changes.insert(result.changes.end(), kept->changes.begin(), kept->changes.end());
   return absl::OkStatus();
@@ -166,8 +152,8 @@ int ImportSurface(const SurfaceImport& command, Input input) {
   std::optional<FeatureEdgeReport> edges;
   io::FeatureLabels labels = *input.labels;
   if (command.clean) {
-    const absl::StatusOr<double> tolerance =
-        ToleranceOf(command.tolerance, input.options, kDefaultSurfaceLimits, kLeastSurfaceLimits);
+    const absl::StatusOr<double> tolerance = ToleranceOf(
+        command.tolerance, input.options, cleaning::kDefaultSurfaceLimits, kLeastSurfaceLimits);
     if (!tolerance.ok()) return ReportError(tolerance.status());
     cleaning::SurfaceCleanOptions options;
     options.tolerance = *tolerance;
@@ -183,7 +169,7 @@ int ImportSurface(const SurfaceImport& command, Input input) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     summary.AddCleaning(NamesOf<SurfaceChangeKind>(cleaning::kSurfaceChangeKinds), result.tolerance,
                         result.rounds, seconds.count());
-    KeepLabels(result.parts, labels);
+    io::KeepLabelsOfParts(result.parts, labels);
     DropAttributes(command.input, labels);
     if (command.feature_angle) {
       bar.Show(0, 0, "making nearly flat patches coarse");

@@ -30,9 +30,7 @@ namespace {
 using io::Geometry;
 using text::Concat;
 
-// Tolerances of cleaning: the first in units of the distance below which a mesh refuses features as
-// too close (those of `import --clean`), then in units of D.
-constexpr double kCloseLimits2D = 4, kCloseLimits3D = 8;
+// Tolerances of cleaning beyond its default, in units of D.
 constexpr double kSharesOfWithin[] = {1e-3, 1e-2, 1e-1, 0.5, 1};
 // Joining moves corners by a few roundings of the file's numbers, and must not make new contacts.
 constexpr double kRoundings = 32;
@@ -208,7 +206,8 @@ class Cleaner {
   // Those to be tried, ascending.
   std::vector<double> Tolerances() const {
     const int dimension = raw_.options.dimension;
-    const double limits = dimension == 2 ? kCloseLimits2D : kCloseLimits3D;
+    const double limits =
+        dimension == 2 ? cleaning::kDefaultCloseLimits : cleaning::kDefaultSurfaceLimits;
     const double rounding = raw_.rounding.Of(LargestMagnitude(raw_.options.box, dimension));
     std::vector<double> tolerances = {std::max(limits * LeastDistance(raw_.options),
                                                std::min(kRoundings * rounding, within_ / 2))};

@@ -7,6 +7,16 @@ void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features) {
   for (Feature& f : features) f.label = {labels.MarkerOf(f.id), labels.NameOf(f.id)};
 }
 
+void KeepLabelsOfParts(const std::vector<std::pair<FeatureId, FeatureId>>& parts,
+                       FeatureLabels& labels) {
+  for (const auto& [part, whole] : parts) {
+    if (const std::int64_t marker = labels.MarkerOf(whole); marker != 0) {
+      labels.markers[part] = marker;
+    }
+    if (const std::string name = labels.NameOf(whole); !name.empty()) labels.names[part] = name;
+  }
+}
+
 FeatureLabels FromLabelColumn(const LabelColumn& labels) {
   FeatureLabels result;
   for (const auto& [id, label] : labels) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -38,6 +39,11 @@ struct FeatureLabels {
 // Gives each of `features` its marker and name as its label. Attributes stay behind. A name may be
 // one that a label cannot have: Apply and BuildMesh refuse it. O(n) expected.
 void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features);
+
+// Parts of features with ids of their own get the marker and the name of what they are a part of.
+// `parts`: (part, whole). O(n lg n) expected.
+void KeepLabelsOfParts(const std::vector<std::pair<FeatureId, FeatureId>>& parts,
+                       FeatureLabels& labels);
 
 // The markers and names of a mesh's labels. O(n lg n).
 FeatureLabels FromLabelColumn(const LabelColumn& labels);

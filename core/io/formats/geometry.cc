@@ -167,17 +167,11 @@ void KeepPlacesOfParts(const std::vector<std::pair<FeatureId, FeatureId>>& parts
                        Geometry& geometry) {
   if (parts.empty()) return;
   auto labels = std::make_shared<FeatureLabels>(*geometry.labels);
-  std::map<FeatureId, FeatureId> whole_of;
-  for (const auto& [part, whole] : parts) {
-    whole_of[part] = whole;
-    if (const std::int64_t marker = labels->MarkerOf(whole); marker != 0) {
-      labels->markers[part] = marker;
-    }
-    if (const std::string name = labels->NameOf(whole); !name.empty()) labels->names[part] = name;
-  }
+  KeepLabelsOfParts(parts, *labels);
+  std::map<FeatureId, FeatureId> whole_of(parts.begin(), parts.end());
   geometry.labels = std::move(labels);
-  geometry.where = [whole_of = std::make_shared<const std::map<FeatureId, FeatureId>>(
-                        std::move(whole_of)),
+  geometry.where = [whole_of =
+                        std::make_shared<const std::map<FeatureId, FeatureId>>(std::move(whole_of)),
                     where = std::move(geometry.where)](FeatureId id) {
     const auto it = whole_of->find(id);
     return where(it == whole_of->end() ? id : it->second);

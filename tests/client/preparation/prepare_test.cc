@@ -185,6 +185,17 @@ TEST_F(PrepareTest, GapsThatTakeTooManyVerticesAreClosed) {
   EXPECT_LE(prepared.report.farthest, prepared.report.within);
 }
 
+TEST_F(PrepareTest, AGapThatTakesSomeThousandVerticesMayBeMeant) {
+  const auto gap_of = [&](const std::string& x) {
+    return Of("gap.geojson",
+              R"({"type": "MultiPolygon", "coordinates": [[[[0,0],[1,0],[1,1],[0,1],[0,0]]],)"
+              R"( [[[)" +
+                  x + ",0],[2,0],[2,1],[" + x + ",1],[" + x + ",0]]]]}");
+  };
+  EXPECT_TRUE(gap_of("1.000001").report.is_mended);
+  EXPECT_FALSE(gap_of("1.0001").report.is_mended);
+}
+
 TEST_F(PrepareTest, PartsOfASegmentKeepItsMarker) {
   const Prepared prepared = Of("cross.poly",
                                "4 2 0 0\n1 0 0\n2 2 2\n3 2 0\n4 0 2\n"
