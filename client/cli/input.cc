@@ -52,13 +52,12 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& flags,
                                   const io::GeometryOptions& options,
                                   std::optional<preparation::Report>& report) {
-  const bool may_be_prepared = flags.prepare && !flags.refine && !flags.merge_coplanar;
-  const bool is_asked_for = flags.within.has_value();
-  if (!may_be_prepared || !(is_asked_for || preparation::IsPreparedByDefault(path))) {
+  const preparation::PrepareOptions preparing = {flags.within};
+  if (!flags.prepare || flags.refine || flags.merge_coplanar ||
+      !preparation::MayBePrepared(path, preparing)) {
     return io::ReadGeometry(path, options);
   }
-  absl::StatusOr<preparation::Prepared> prepared =
-      preparation::Prepare(path, options, {flags.within, is_asked_for});
+  absl::StatusOr<preparation::Prepared> prepared = preparation::Prepare(path, options, preparing);
   if (!prepared.ok()) return prepared.status();
   report = std::move(prepared->report);
   if (report->is_mended) {

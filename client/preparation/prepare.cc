@@ -314,7 +314,8 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
 
 }  // namespace
 
-bool IsPreparedByDefault(const std::string& path) {
+bool MayBePrepared(const std::string& path, const PrepareOptions& options) {
+  if (options.within) return true;
   const io::Format* const format = io::FindFormat(path);
   if (format == nullptr) return false;
   if (format->Is(io::kSurface) || format->Is(io::kMap)) return true;
@@ -338,16 +339,22 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
                                    DiagonalOf(geometry.features, geometry.options.dimension));
   };
   io::GeometryOptions how = reading;
-  how.mend_rings = true;
+  const bool may_be = MayBePrepared(path, options);
+  if (may_be) how.mend_rings = true;
   absl::StatusOr<Geometry> given = io::ReadGeometry(path, how);
-  const bool is_surface = given.ok() && io::FindFormat(path)->Is(io::kSurface);
+  if (!may_be) {
+    if (!given.ok()) return given.status();
+    return Prepared{*std::move(given), {}};
+  }
+  const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
+  const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const absl::Status unread = given.status();
   Prepared as_read;
   bool to_close = false;
   if (given.ok()) {
     as_read.geometry = *std::move(given);
     const Geometry& geometry = as_read.geometry;
-    if (geometry.options.dimension == 3 && !is_surface && !options.facets) return as_read;
+    if (geometry.options.dimension == 3 && !is_surface && !options.within) return as_read;
     const double within = within_of(geometry);
     to_close = Describe(geometry, within, as_read.report);
     const absl::Status& found = as_read.report.found;
@@ -359,7 +366,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
   if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
     const double within = within_of(*raw);
-    const Cleaner cleaner(*std::move(raw), reading, io::FindFormat(path)->Is(io::kSurface), within);
+    const Cleaner cleaner(*std::move(raw), reading, is_surface, within);
     absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));

@@ -32,8 +32,8 @@ namespace dynmesh::preparation {
 inline constexpr double kDefaultWithin = 1e-4;
 
 struct PrepareOptions {
-  std::optional<double> within;  // D, in the input's units
-  bool facets = false;           // prepare facets of TetGen, too
+  // D, in the input's units. Given, files of all formats are prepared.
+  std::optional<double> within;
 };
 
 struct Report {
@@ -52,11 +52,12 @@ struct Prepared {
   Report report;
 };
 
-// Is a file with this extension prepared unless the user says otherwise? Surfaces, maps, and 2D
-// points and segments of Triangle (facets of TetGen have the same extension and are left as they
-// are: PrepareOptions::facets). Not edit scripts and meshes.
-bool IsPreparedByDefault(const std::string& path);
+// May a file with this extension be prepared? Without a distance: surfaces, maps, and points and
+// segments of Triangle (not facets of TetGen, which have the same extension); no scripts and
+// meshes.
+bool MayBePrepared(const std::string& path, const PrepareOptions& options);
 
+// A file that is not to be prepared is as io::ReadGeometry reads it.
 // INVALID_ARGUMENT for a `within` that is not above 0 and finite; else as io::ReadGeometry.
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
                                  const PrepareOptions& options);

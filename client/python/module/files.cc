@@ -48,7 +48,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within, bool
     io::GeometryOptions reading;
     reading.polygons = polygons;
     reading.keep_facets = keep_facets;
-    prepared = preparation::Prepare(path, reading, {within, within.has_value()});
+    prepared = preparation::Prepare(path, reading, {within});
   }
   preparation::Prepared value = Value(std::move(prepared));
   const preparation::Report& report = value.report;

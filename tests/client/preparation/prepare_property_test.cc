@@ -107,7 +107,7 @@ TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
                                                   {},
                                                   *prepared->geometry.labels})
                     .ok());
-    const auto again = Prepare(again_path, {}, {1e-4, true});
+    const auto again = Prepare(again_path, {}, {1e-4});
     ASSERT_TRUE(again.ok()) << run << again.status();
     EXPECT_FALSE(again->report.is_mended) << run;
   }

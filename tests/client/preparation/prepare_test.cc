@@ -134,9 +134,25 @@ TEST_F(PrepareTest, FacetsOfTetGenAreMendedOnRequest) {
   const Prepared as_is = Of("squares.poly", poly);
   EXPECT_FALSE(as_is.report.is_mended);
   EXPECT_FALSE(MeshOf(as_is).ok());
-  const Prepared mended = Of("squares.poly", poly, {1e-6, true});
+  const Prepared mended = Of("squares.poly", poly, {1e-6});
   EXPECT_TRUE(mended.report.is_mended);
   EXPECT_TRUE(MeshOf(mended).ok());
+}
+
+TEST_F(PrepareTest, AScriptOfAnyExtensionIsMendedOnRequest) {
+  io::GeometryOptions reading;
+  reading.any_script = true;
+  const std::string path =
+      folder_.Write("cross.edits",
+                    "mesh dim=2 box=0,0,4,4\nadd point 1 1 1\nadd point 2 3 3\nadd point 3 3 1\n"
+                    "add point 4 1 3\nadd segment 5 1 2\nadd segment 6 3 4\ncommit\n");
+  const auto as_is = Prepare(path, reading, {});
+  ASSERT_TRUE(as_is.ok()) << as_is.status();
+  EXPECT_FALSE(as_is->report.is_mended);
+  const auto mended = Prepare(path, reading, {1e-6});
+  ASSERT_TRUE(mended.ok()) << mended.status();
+  EXPECT_TRUE(mended->report.is_mended);
+  EXPECT_TRUE(MeshOf(*mended).ok());
 }
 
 std::string MapOf(const std::string& rings) {
