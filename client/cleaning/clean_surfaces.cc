@@ -1,6 +1,9 @@
 #include "client/cleaning/clean_surfaces.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -11,6 +14,7 @@
 #include "client/cleaning/surface.h"
 #include "client/cleaning/surface_polygons.h"
 #include "client/cleaning/surface_round.h"
+#include "client/cleaning/tolerance_field.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cleaning {
@@ -26,19 +30,19 @@ constexpr double kFlat = 1.0 / 16;
 constexpr int kMostStalled = 3;
 // Faults of a round, in units of the first two.
 constexpr std::size_t kMostGrowth = 2;
+// With the tolerance doubled near some places.
+constexpr int kMostRestarts = 40;
 
 class SurfaceCleaner {
  public:
-  // Polygons are flat within `flat`.
   SurfaceCleaner(const std::vector<Feature>& features, const SurfaceCleanOptions& options,
-                 double flat, Effort& effort)
-      : features_(features),
-        options_(options),
-        flat_(flat),
-        effort_(effort),
-        surface_(options.tolerance) {}
+                 const ToleranceField& field, Effort& effort)
+      : features_(features), options_(options), effort_(effort), surface_(field) {
+    surface_.least_sine = std::sin(options.least_angle * std::numbers::pi / 180);
+  }
 
-  absl::StatusOr<SurfaceCleanResult> Run() {
+  // ABORTED if repairs undo each other, at places that are added to `stuck`.
+  absl::StatusOr<SurfaceCleanResult> Run(std::vector<StuckPlace>& stuck) {
     const absl::StatusOr<FeatureId> max_id =
         CheckFeatures(features_, options_.tolerance, kLimitsIn3D);
     if (!max_id.ok()) return max_id.status();
@@ -58,7 +62,7 @@ class SurfaceCleaner {
     std::size_t least = ~std::size_t{0}, first = 0;
     int last_gain = 0;
     for (;;) {
-      if (surface_.round >= options_.max_rounds) return NotDone(rounds);
+      if (surface_.round >= options_.max_rounds) return NotDone(rounds, stuck);
       const absl::StatusOr<bool> more = rounds.Run();
       if (!more.ok()) return more.status();
       if (!*more) break;
@@ -68,7 +72,7 @@ class SurfaceCleaner {
       }
       if (surface_.round <= 2) first = std::max(first, rounds.found());
       if (surface_.round - last_gain > kMostStalled || rounds.found() > kMostGrowth * first) {
-        return NotDone(rounds);
+        return NotDone(rounds, stuck);
       }
     }
     return Finish();
@@ -110,7 +114,7 @@ class SurfaceCleaner {
       count += own.size() == nodes.size() ? 0 : 1;  // a ring through a corner twice
       if (nodes.size() < 3) polygon.rings.pop_back();
     }
-    const PolygonPieces pieces = PiecesOf(surface_, polygon.rings, flat_);
+    const PolygonPieces pieces = PiecesOf(surface_, polygon.rings, kFlat * options_.tolerance);
     polygon.pieces = pieces.triangles.size();
     polygon.may_stay = pieces.is_regular && pieces.is_flat && count == 0 &&
                        (options_.holes || polygon.rings.size() == 1);
@@ -121,11 +125,12 @@ class SurfaceCleaner {
     for (const auto& t : pieces.triangles) surface_.Add(t, {f.id});
   }
 
-  absl::Status NotDone(const SurfaceRounds& rounds) const {
-    return absl::AbortedError(
-        Concat("after ", surface_.round, " rounds faces or edges still touch or cross in ",
-               rounds.found(), " places, one at (", rounds.where()[0], ", ", rounds.where()[1],
-               ", ", rounds.where()[2], "); choose another tolerance than ", options_.tolerance));
+  absl::Status NotDone(const SurfaceRounds& rounds, std::vector<StuckPlace>& stuck) const {
+    stuck = rounds.places();
+    return absl::AbortedError(Concat(
+        "after ", surface_.round, " rounds faces or edges still touch or cross in ", rounds.found(),
+        " places, one at (", rounds.where()[0], ", ", rounds.where()[1], ", ", rounds.where()[2],
+        "); choose another tolerance than ", surface_.field.least()));
   }
 
   // The polygons that no change has reached.
@@ -199,10 +204,12 @@ class SurfaceCleaner {
           ReportDropped(f);
         } else if (kind == FeatureKind::kPolygon && whole.contains(f.id)) {
           result.features.push_back(Feature::Polygon(f.id, IdsOf(polygons_.at(f.id).rings)));
+          if (IsDoubled(*it->second.front())) result.doubled.push_back(f.id);
         } else {
           for (const Simplex* s : it->second) {
             const FeatureId id = s == it->second.front() ? f.id : next_id++;
             if (id != f.id) result.parts.emplace_back(id, f.id);
+            if (IsDoubled(*s)) result.doubled.push_back(id);
             result.features.push_back(
                 kind == FeatureKind::kPolygon
                     ? Feature::Polygon(id, IdsOf({{s->v[0], s->v[1], s->v[2]}}))
@@ -216,9 +223,11 @@ class SurfaceCleaner {
     }
     result.changes = std::move(surface_.changes);
     result.rounds = surface_.round;
-    result.tolerance = options_.tolerance;
+    result.tolerance = surface_.field.most();
     return result;
   }
+
+  static bool IsDoubled(const Simplex& s) { return s.size == 3 && s.sources.size() % 2 == 0; }
 
   // Of the input first, in its order.
   void AddPoints(const std::vector<bool>& used, std::vector<Feature>& features) const {
@@ -271,7 +280,6 @@ class SurfaceCleaner {
 
   const std::vector<Feature>& features_;
   const SurfaceCleanOptions& options_;
-  const double flat_;
   Effort& effort_;
   Surface surface_;
   absl::flat_hash_map<FeatureId, Node> node_of_;
@@ -312,19 +320,38 @@ const char* NameOf(SurfaceChangeKind kind) {
 
 absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& features,
                                                  const SurfaceCleanOptions& options) {
-  SurfaceCleanOptions wider = options;
   Effort effort(options.max_steps != 0 ? options.max_steps
                                        : std::max(kLeastSteps, kStepsForFeature * features.size()));
-  for (int doublings = 0;; ++doublings) {
+  absl::Status last;
+  double most = 0;
+  std::vector<StuckPlace> stuck;
+  // Nothing if repairs undo each other.
+  const auto clean = [&](const ToleranceField& field) {
     absl::StatusOr<SurfaceCleanResult> result =
-        SurfaceCleaner(features, wider, kFlat * options.tolerance, effort).Run();
-    if (!absl::IsAborted(result.status())) return result;
-    if (doublings == options.max_doublings) {
-      return absl::ResourceExhaustedError(Concat("up to the tolerance ", wider.tolerance, ": ",
-                                                 text::View(result.status().message())));
-    }
-    wider.tolerance *= 2;
+        SurfaceCleaner(features, options, field, effort).Run(stuck);
+    std::optional<absl::StatusOr<SurfaceCleanResult>> done;
+    last = result.status();
+    most = std::max(most, field.most());
+    if (!absl::IsAborted(last)) done = std::move(result);
+    return done;
+  };
+  const int first = std::min(options.first_doublings, options.max_doublings);
+  for (int i = 0; i <= first; ++i) {
+    if (auto done = clean(ToleranceField(std::ldexp(options.tolerance, i))))
+      return *std::move(done);
   }
+  // Doubled everywhere it would spoil what needs no more than that.
+  ToleranceField field(options.tolerance);
+  for (int i = 0; i < kMostRestarts && field.most_level() < options.max_doublings; ++i) {
+    if (auto done = clean(field)) return *std::move(done);
+    field.RaiseAt(std::move(stuck), options.max_doublings);
+  }
+  for (int i = first + 1; i <= options.max_doublings; ++i) {
+    if (auto done = clean(ToleranceField(std::ldexp(options.tolerance, i))))
+      return *std::move(done);
+  }
+  return absl::ResourceExhaustedError(
+      Concat("up to the tolerance ", most, ": ", text::View(last.message())));
 }
 
 }  // namespace dynmesh::cleaning

@@ -10,9 +10,10 @@
 // T / 4 to an edge or a face that does not end there; edges that do not meet are T / 2 apart;
 // no two edges cross, no edge passes through a face, and no two faces overlap. Each single change
 // moves points, edges and faces by less than T. A result that is cleaned again is not changed.
-// Angles are as small as the input makes them.
+// Angles are as small as the input makes them, or as `least_angle` says.
 //
-// Where repairs undo each other, at places some tolerances apart, all is done anew with T doubled.
+// Where repairs undo each other, at places some tolerances apart, all is done anew with T doubled,
+// a few times; then with T doubled near these places only; if that is no help, everywhere.
 //
 // The result's coordinates and adjacency are functions of the input's, independent of ids, their
 // order and orientations. Ids depend on ids; where faces overlap, the part is of that with the
@@ -38,9 +39,13 @@ namespace dynmesh::cleaning {
 inline constexpr double kDefaultSurfaceLimits = 8;
 
 struct SurfaceCleanOptions {
-  double tolerance = 0;                   // T, in the input's units; positive, at most 2^140
-  int max_rounds = 100;                   // for each tolerance
-  int max_doublings = 12;                 // of the tolerance
+  double tolerance = 0;  // T, in the input's units; positive, at most 2^140
+  int max_rounds = 100;  // for each tolerance
+  // In degrees, 0 to 1: edges that meet in a corner at a lesser angle become one, and so do an edge
+  // and a face that it leads over, however far apart their ends are.
+  double least_angle = 0;
+  int max_doublings = 12;                 // of the tolerance, at any place
+  int first_doublings = 3;                // of it everywhere, before it is doubled at some places
   std::size_t max_crossings = 8'000'000;  // in one round; bounds the memory
   // In all rounds, with all tolerances; 0: kLeastSteps, or kStepsForFeature for each feature if
   // that is more. A step takes about a microsecond (effort.h).
@@ -87,6 +92,8 @@ struct SurfaceCleanResult {
   std::vector<Feature> features;
   // Of each part with a new id: the segment or face that it is a part of. By new ids, ascending.
   std::vector<std::pair<FeatureId, FeatureId>> parts;
+  // Faces that an even number of the input's faces became: of closed surfaces they enclose nothing.
+  std::vector<FeatureId> doubled;
   std::vector<SurfaceChange> changes;
   int rounds = 0;
   double tolerance = 0;  // that it took

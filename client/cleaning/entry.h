@@ -53,7 +53,7 @@ void EnterPoints(const std::vector<Feature>& features, Graph& graph,
   }
   std::sort(entries.begin(), entries.end());
   for (const auto& [at, id] : entries) {
-    const std::optional<Node> near = graph.nodes.Near(at);
+    const std::optional<Node> near = graph.Near(at);
     node_of[id] = near ? *near : graph.AddNode(at, id);
     if (!near) continue;
     graph.changes.push_back(

@@ -25,7 +25,7 @@ constexpr double kDefaultWithin = 0.001;
 class Simplifier {
  public:
   Simplifier(const std::vector<Feature>& features, const FeatureEdgeOptions& options)
-      : features_(features), options_(options), surface_(options.tolerance) {}
+      : features_(features), options_(options), field_(options.tolerance), surface_(field_) {}
 
   FeatureEdgeResult Run() {
     std::vector<Point3> points = EnterNodes();
@@ -148,6 +148,7 @@ class Simplifier {
 
   const std::vector<Feature>& features_;
   const FeatureEdgeOptions& options_;
+  ToleranceField field_;
   Surface surface_;
   std::vector<bool> is_dropped_;
   absl::flat_hash_map<FeatureId, Node> node_of_;

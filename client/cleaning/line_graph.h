@@ -37,6 +37,8 @@ class LineGraph {
 
   // A node made in this round, for a point with id `id`.
   Node AddNode(const Point& p, FeatureId id);
+  // The node nearest to p within the tolerance.
+  std::optional<Node> Near(const Point& p) const { return nodes.Near(p); }
 
   // Adds an edge, in any order, unless both ends are equal.
   void Connect(Node a, Node b, FeatureId owner, const EdgePolygons& polygons = {});

@@ -1,5 +1,6 @@
 // The positions of the cleaned input's points: no two are nearer than the tolerance. Nodes are
-// only added, and only finitely many fit into the input's box.
+// only added, and only finitely many fit into the input's box. At some places the tolerance may be
+// greater by a power of 2, the level.
 //
 // In 2D, or in 3D for surfaces. Thread-compatible. Expected O(1) per operation.
 #ifndef DYNMESH_CLIENT_CLEANING_NODE_TABLE_H_
@@ -36,10 +37,12 @@ class NodeTableOf {
  public:
   using Point = PointOf<D>;
 
-  explicit NodeTableOf(double tolerance) : tolerance_(tolerance) {}
+  explicit NodeTableOf(double tolerance, int most_level = 0)
+      : tolerance_(tolerance), grids_(static_cast<std::size_t>(most_level) + 1) {}
 
-  // The node nearest to p within the tolerance; the oldest one of several.
-  std::optional<Node> Near(const Point& p) const;
+  // The node nearest to p within the tolerance of the level; the oldest one of several.
+  // REQUIRES: 0 <= level <= most_level.
+  std::optional<Node> Near(const Point& p, int level = 0) const;
   // REQUIRES: no node is within the tolerance.
   Node Add(const Point& p);
 
@@ -48,14 +51,18 @@ class NodeTableOf {
   double tolerance() const { return tolerance_; }
 
  private:
-  using Cell = std::array<std::int64_t, D>;  // squares or cubes with the tolerance as side
-  Cell CellOf(const Point& p) const;
+  using Cell = std::array<std::int64_t, D>;
   static constexpr Node kNone = ~Node{0};
+  // Squares or cubes with the tolerance of a level as side.
+  struct Grid {
+    std::vector<Node> next;  // the next node in the same cell
+    absl::flat_hash_map<Cell, Node> first;
+  };
+  static Cell CellOf(const Point& p, double side);
 
   double tolerance_;
   std::vector<Point> points_;
-  std::vector<Node> next_;  // the next node in the same cell
-  absl::flat_hash_map<Cell, Node> first_;
+  std::vector<Grid> grids_;  // by level
 };
 
 using NodeTable = NodeTableOf<2>;

@@ -10,8 +10,6 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-constexpr double kLeastSine = 1.6e-6;
-
 Kernel::Point_2 At(const Point& p) { return {p[0], p[1]}; }
 
 }  // namespace
@@ -78,6 +76,10 @@ void PlaneTriangulation::SplitEdge(Vertex x, Vertex y, Vertex v) {
 PlaneTriangulation::Vertex PlaneTriangulation::SplitBorder(Vertex x, Vertex y, Vertex v) {
   // The border may have the triangle on either side.
   const bool forward = Left(x, y).has_value();
+  if (!forward && !Left(y, x)) {  // the triangle there has gone
+    AddTriangle(x, v, y);
+    return v;
+  }
   const Vertex from = forward ? x : y, to = forward ? y : x;
   const std::optional<Vertex> opposite = Opposite(from, to);
   if (!opposite || ranks_[*opposite] != ranks_[v]) {
@@ -217,7 +219,7 @@ bool PlaneTriangulation::IsThin(Vertex a, Vertex b, Vertex c) const {
   // The shortest edge is opposite to the least angle, whose sine is area / the product of the
   // others.
   return area * area < least_height_ * least_height_ * squares[2] ||
-         area * area < kLeastSine * kLeastSine * squares[1] * squares[2];
+         area * area < least_sine_ * least_sine_ * squares[1] * squares[2];
 }
 
 bool PlaneTriangulation::WantsFlip(Vertex x, Vertex y) const {

@@ -26,9 +26,12 @@ class PlaneTriangulation {
   using Vertex = std::uint32_t;
   using Triangle = std::array<Vertex, 3>;  // counter-clockwise, unless folded
 
-  // Flips for Delaunay's sake make no triangle of a height below `least_height`, or with angles
-  // below 1.6e-6: it would be split again.
-  explicit PlaneTriangulation(double least_height = 0) : least_height_(least_height) {}
+  static constexpr double kLeastSine = 1.6e-6;
+
+  // Flips for Delaunay's sake make no triangle of a height below `least_height`, or with angles of
+  // a sine below `least_sine`: it would be split again. All are made if the height is 0.
+  explicit PlaneTriangulation(double least_height = 0, double least_sine = kLeastSine)
+      : least_height_(least_height), least_sine_(least_sine) {}
 
   // The order of ranks breaks ties between diagonals; several vertices may have one rank.
   Vertex AddVertex(const Point& at, std::uint32_t rank);
@@ -38,7 +41,7 @@ class PlaneTriangulation {
 
   // Splits the edge xy, which may be on the border, at v. If v's rank is that of the vertex
   // opposite to it, that triangle goes instead, and the border runs through the vertex, which is
-  // returned. Else returns v.
+  // returned. Else returns v. If no triangle is left there, xvy becomes one, which may be folded.
   Vertex SplitBorder(Vertex x, Vertex y, Vertex v);
   // Puts v into the triangle or on the inner edge where it lies. False outside of all, or if a
   // vertex is there.
@@ -90,7 +93,7 @@ class PlaneTriangulation {
   };
   Way FindWay(Vertex a, Vertex b) const;
 
-  double least_height_;
+  double least_height_, least_sine_;
   std::vector<Point> points_;
   std::vector<std::uint32_t> ranks_;
   std::vector<Triangle> triangles_;

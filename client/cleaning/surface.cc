@@ -24,8 +24,16 @@ Node Surface::AddNode(const Point3& p, FeatureId id) {
 }
 
 Node Surface::NodeAt(const Point3& p) {
-  const std::optional<Node> near = nodes.Near(p);
+  const std::optional<Node> near = Near(p);
   return near ? *near : AddNode(p, next_id++);
+}
+
+double Surface::ToleranceOf(const Simplex& s) const {
+  double most = field.least();
+  for (int k = 0; k < s.size; ++k) {
+    most = std::max(most, field.At(at(s.v[static_cast<std::size_t>(k)])));
+  }
+  return most;
 }
 
 void Surface::Add(std::span<const Node> corners, const Sources& sources) {

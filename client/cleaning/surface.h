@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "absl/container/inlined_vector.h"
 #include "client/cleaning/clean_surfaces.h"
 #include "client/cleaning/node_table.h"
+#include "client/cleaning/tolerance_field.h"
 
 namespace dynmesh::cleaning {
 
@@ -51,11 +53,15 @@ struct Simplex {
 
 class Surface {
  public:
-  explicit Surface(double tolerance) : nodes(tolerance) {}
+  // The field must live as long, and not change.
+  explicit Surface(const ToleranceField& tolerances)
+      : nodes(tolerances.least(), tolerances.most_level()), field(tolerances) {}
 
   // A node made in this round, for a point with id `id`.
   Node AddNode(const Point3& p, FeatureId id);
-  // The node nearest to p within the tolerance, or a new one.
+  // The node nearest to p within the tolerance there.
+  std::optional<Node> Near(const Point3& p) const { return nodes.Near(p, field.LevelAt(p)); }
+  // Or a new one.
   Node NodeAt(const Point3& p);
 
   // Adds a simplex, unless corners are equal. To be settled.
@@ -75,7 +81,12 @@ class Surface {
   std::array<Node, 3> CornersOf(const Simplex& face) const;
   const Point3& at(Node v) const { return nodes.at(v); }
 
+  // The greatest tolerance at a corner.
+  double ToleranceOf(const Simplex& s) const;
+
   NodeTable3 nodes;
+  const ToleranceField& field;
+  double least_sine = 0;  // what meets at a common corner at a lesser angle is to become one
   std::vector<FeatureId> point_ids;  // by node
   FeatureId next_id = 0;             // of the next new node
   std::vector<Simplex> simplices;    // by corners, points first

@@ -19,6 +19,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Rational = CGAL::Exact_rational;
 
+constexpr double kBeyondFold = 1.01;  // for rounding
+
 int Orientation(const Point& a, const Point& b, const Point& c) {
   return CGAL::orientation(Kernel::Point_2(a[0], a[1]), Kernel::Point_2(b[0], b[1]),
                            Kernel::Point_2(c[0], c[1]));
@@ -45,7 +47,11 @@ struct Shape {
 class Search {
  public:
   Search(const Surface& surface, int since)
-      : surface_(surface), since_(since), reach_(surface.nodes.tolerance() / 2) {
+      : surface_(surface), since_(since), most_(surface.field.most() / 2) {
+    reaches_.reserve(surface.nodes.size());
+    for (Node v = 0; v < surface.nodes.size(); ++v) {
+      reaches_.push_back(surface.field.At(surface.at(v)) / 2);
+    }
     shapes_.reserve(surface.simplices.size());
     for (const Simplex& s : surface.simplices) shapes_.push_back(ShapeOf(s));
   }
@@ -76,25 +82,52 @@ class Search {
     }
   }
 
-  // The node is on that part of simplex i.
-  std::optional<int> PartAt(std::uint32_t i, Node v) const {
+  // What is folded onto the other one at a common corner touches up to this distance, and is to
+  // become one; 0 if that is nothing. REQUIRES: i != j.
+  double FoldOf(std::uint32_t i, std::uint32_t j) const {
+    double fold = 0;
+    if (surface_.least_sine == 0) return fold;
+    const Simplex &s = surface_.simplices[i], &t = surface_.simplices[j];
+    for (int k = 0; k < s.size; ++k) {
+      const Node v = s.v[static_cast<std::size_t>(k)];
+      if (t.Has(v)) fold = std::max({fold, FoldAt(v, s, t, j), FoldAt(v, t, s, i)});
+    }
+    return fold;
+  }
+
+  // As FoldOf, of a face's edges at a corner.
+  double FoldOf(std::uint32_t i) const {
+    double fold = 0;
+    if (surface_.least_sine == 0) return fold;
+    const Simplex& s = surface_.simplices[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      fold = std::max(fold, FoldOfEdges(Minus(at(s.v[(k + 1) % 3]), at(s.v[k])),
+                                        Minus(at(s.v[(k + 2) % 3]), at(s.v[k]))));
+    }
+    return fold;
+  }
+
+  // The corner v of `from` is on that part of simplex i: nearer than half of the tolerance, or than
+  // the fold.
+  std::optional<int> PartAt(std::uint32_t i, Node v, const Simplex& from, double fold) const {
     const Simplex& s = surface_.simplices[i];
     const Shape& shape = shapes_[i];
     const Point3& p = at(v);
-    if (s.size < 2 || s.Has(v) || !shape.box.Meets({p, p})) return std::nullopt;
+    const double reach = std::max(reaches_[v], fold);
+    if (s.size < 2 || s.Has(v) || !shape.box.Meets({p, p}, reach)) return std::nullopt;
     std::optional<int> beside;
     for (int k = 0; k < s.edge_count(); ++k) {
-      if (IsBeside(v, s.Edge(k)) && (!beside || s.Edge(k) < s.Edge(*beside))) beside = k;
+      if (IsOn(v, s.Edge(k), from, fold) && (!beside || s.Edge(k) < s.Edge(*beside))) beside = k;
     }
     if (beside) return beside;
     if (s.size < 3) return std::nullopt;
     const double height = std::abs(Dot(shape.normal, Minus(p, at(shape.first)))) / shape.length;
-    if (!(height < reach_ + 2 * shape.deviation) || !IsOver(surface_, s, p)) return std::nullopt;
+    if (!(height < reach + 2 * shape.deviation) || !IsOver(surface_, s, p)) return std::nullopt;
     return kFaceItself;
   }
 
-  // p projects into the open edge and is nearer to it than half the tolerance.
-  bool IsBeside(Node v, NodePair edge) const {
+  // The node projects into the open edge and is nearer to it than `reach`.
+  bool IsBeside(Node v, NodePair edge, double reach) const {
     if (v == edge.first || v == edge.second) return false;
     const Point3& p = at(v);
     const auto [lo, hi] = EndsOf(edge);
@@ -102,18 +135,29 @@ class Search {
     const double length2 = Dot(d, d), along = Dot(d, w);
     if (along <= 0 || along >= length2) return false;
     const Point3 cross = Cross(d, w);
-    return Dot(cross, cross) < reach_ * reach_ * length2;
+    return Dot(cross, cross) < reach * reach * length2;
+  }
+
+  // The corner v of `from` is on the edge. Of two edges that are folded onto each other the longer
+  // one goes through the end of the other.
+  bool IsOn(Node v, NodePair edge, const Simplex& from, double fold) const {
+    if (IsBeside(v, edge, reaches_[v])) return true;
+    if (!(fold > reaches_[v]) || !IsBeside(v, edge, fold)) return false;
+    for (const Node end : {edge.first, edge.second}) {
+      if (from.Has(end) && !surface_.IsShorter(Ordered(end, v), edge)) return false;
+    }
+    return true;
   }
 
   // Where two edges without a common end meet.
-  std::optional<Point3> Meeting(NodePair e, NodePair f) const {
+  std::optional<Point3> Meeting(NodePair e, NodePair f, double fold) const {
     if (e.first == f.first || e.first == f.second || e.second == f.first || e.second == f.second) {
       return std::nullopt;
     }
     if (EndsOf(f) < EndsOf(e)) std::swap(e, f);
     const auto [a, b] = EndsOf(e);
     const auto [c, d] = EndsOf(f);
-    if (!BoxOf({a, b}, reach_).Meets(BoxOf({c, d}, 0))) return std::nullopt;
+    if (!BoxOf({a, b}, std::max(fold, most_)).Meets(BoxOf({c, d}, 0))) return std::nullopt;
     const Point3 u = Minus(b, a), w = Minus(d, c), r = Minus(c, a);
     const double uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w);
     const Point3 n = Cross(u, w);
@@ -127,7 +171,8 @@ class Search {
     s = (t * uw + Dot(r, u)) / uu;
     if (!(s > 0 && s < 1)) return std::nullopt;
     const Point3 x = Along(a, s, u), y = Along(c, t, w);
-    if (!(SquaredDistance<3>(x, y) < reach_ * reach_)) return std::nullopt;
+    const double reach = std::max(fold, surface_.field.At(x) / 2);
+    if (!(SquaredDistance<3>(x, y) < reach * reach)) return std::nullopt;
     if (const auto exact = ExactMeeting(a, b, c, d, AxisOf(n))) return exact;
     return Point3{(x[0] + y[0]) / 2, (x[1] + y[1]) / 2, (x[2] + y[2]) / 2};
   }
@@ -170,28 +215,29 @@ class Search {
   // Touches first: what these split is looked at again in the next round.
   void FindOfPair(std::uint32_t i, std::uint32_t j, std::vector<Contact>& found) const {
     const Simplex &s = surface_.simplices[i], &t = surface_.simplices[j];
+    const double fold = FoldOf(i, j);
     std::array<bool, 3> s_touches{}, t_touches{};  // by corner
     for (int k = 0; k < s.size; ++k) {
       const Node v = s.v[static_cast<std::size_t>(k)];
-      const std::optional<int> part = PartAt(j, v);
+      const std::optional<int> part = PartAt(j, v, s, fold);
       s_touches[static_cast<std::size_t>(k)] = part.has_value();
-      if (part) found.push_back({i, j, kFirstCorner + k, *part, at(v), v});
+      if (part) found.push_back({i, j, kFirstCorner + k, *part, at(v), v, fold});
     }
     for (int l = 0; l < t.size; ++l) {
       const Node v = t.v[static_cast<std::size_t>(l)];
-      const std::optional<int> part = PartAt(i, v);
+      const std::optional<int> part = PartAt(i, v, t, fold);
       t_touches[static_cast<std::size_t>(l)] = part.has_value();
-      if (part) found.push_back({i, j, *part, kFirstCorner + l, at(v), v});
+      if (part) found.push_back({i, j, *part, kFirstCorner + l, at(v), v, fold});
     }
     for (int k = 0; k < s.edge_count(); ++k) {
       for (int l = 0; l < t.edge_count(); ++l) {
         const NodePair e = s.Edge(k), f = t.Edge(l);
-        const auto place = Meeting(e, f);
-        if (!place || IsBeside(e.first, f) || IsBeside(e.second, f) || IsBeside(f.first, e) ||
-            IsBeside(f.second, e)) {
+        const auto place = Meeting(e, f, fold);
+        if (!place || IsNear(e.first, f, fold) || IsNear(e.second, f, fold) ||
+            IsNear(f.first, e, fold) || IsNear(f.second, e, fold)) {
           continue;
         }
-        found.push_back({i, j, k, l, *place, 0});
+        found.push_back({i, j, k, l, *place, 0, fold});
       }
     }
     const auto is_free = [](const std::array<bool, 3>& touches, int edge, int size) {
@@ -201,21 +247,79 @@ class Search {
     for (int k = 0; t.size == 3 && k < s.edge_count(); ++k) {
       if (!is_free(s_touches, k, s.size)) continue;
       if (const auto place = Passage(s.Edge(k), j)) {
-        found.push_back({i, j, k, kFaceItself, *place, 0});
+        found.push_back({i, j, k, kFaceItself, *place, 0, fold});
       }
     }
     for (int l = 0; s.size == 3 && l < t.edge_count(); ++l) {
       if (!is_free(t_touches, l, t.size)) continue;
       if (const auto place = Passage(t.Edge(l), i)) {
-        found.push_back({i, j, kFaceItself, l, *place, 0});
+        found.push_back({i, j, kFaceItself, l, *place, 0, fold});
       }
     }
   }
 
  private:
+  bool IsNear(Node v, NodePair edge, double fold) const {
+    return IsBeside(v, edge, std::max(reaches_[v], fold));
+  }
+
+  // How far the end of the shorter one of two edges from a corner is from the longer one; 0 if they
+  // meet at more than the least angle.
+  double FoldOfEdges(const Point3& u, const Point3& w) const {
+    const double uu = Dot(u, u), ww = Dot(w, w);
+    if (!(Dot(u, w) > 0)) return 0;
+    const Point3 cross = Cross(u, w);
+    const double cc = Dot(cross, cross);
+    if (!(cc < surface_.least_sine * surface_.least_sine * uu * ww)) return 0;
+    return kBeyondFold * std::sqrt(cc / std::max(uu, ww));
+  }
+
+  // As FoldOf, at a common corner: of edges of s and what t has there. At a common edge only edges
+  // count: a mesh takes faces that meet there at small angles.
+  double FoldAt(Node v, const Simplex& s, const Simplex& t, std::uint32_t j) const {
+    double fold = 0;
+    const Point3& p = at(v);
+    bool has_edge = false;
+    for (int l = 0; l < t.size; ++l) {
+      const Node b = t.v[static_cast<std::size_t>(l)];
+      has_edge = has_edge || (b != v && s.Has(b));
+    }
+    for (int k = 0; k < s.size; ++k) {
+      const Node a = s.v[static_cast<std::size_t>(k)];
+      if (t.Has(a)) continue;
+      const Point3 u = Minus(at(a), p);
+      for (int l = 0; l < t.size; ++l) {
+        const Node b = t.v[static_cast<std::size_t>(l)];
+        if (b != v) fold = std::max(fold, FoldOfEdges(u, Minus(at(b), p)));
+      }
+      if (t.size == 3 && !has_edge) fold = std::max(fold, FoldOver(v, u, t, shapes_[j]));
+    }
+    return fold;
+  }
+
+  // How far the end of an edge from a corner v of t, by u, is from t's plane; 0 if the edge does
+  // not lead over the face, or at more than the least angle.
+  double FoldOver(Node v, const Point3& u, const Simplex& t, const Shape& shape) const {
+    const double up = Dot(shape.normal, u) / shape.length;
+    if (!(up * up < surface_.least_sine * surface_.least_sine * Dot(u, u))) return 0;
+    std::array<Point3, 2> sides;
+    std::size_t count = 0;
+    for (const Node b : t.v) {
+      if (b != v) sides[count++] = Minus(at(b), at(v));
+    }
+    const Point3 turn = Cross(sides[0], sides[1]);
+    if (!(Dot(Cross(sides[0], u), turn) > 0) || !(Dot(Cross(u, sides[1]), turn) > 0)) return 0;
+    return kBeyondFold * std::abs(up);
+  }
+
   // In the order of coordinates.
   std::pair<const Point3&, const Point3&> EndsOf(NodePair edge) const {
     return std::minmax(at(edge.first), at(edge.second));
+  }
+
+  // By the greatest tolerance in what results.
+  Box3 Grown(const Box3& box) const {
+    return box.Grown(surface_.field.MostIn(box.Grown(2 * most_)));
   }
 
   Shape ShapeOf(const Simplex& s) const {
@@ -230,9 +334,9 @@ class Search {
         const double height = std::abs(Dot(shape.normal, Minus(*p, a))) / shape.length;
         if (height > shape.deviation) shape.deviation = height;
       }
-      shape.box = BoxOf({a, b, c}, 2 * reach_ + 2 * shape.deviation);
+      shape.box = Grown(BoxOf({a, b, c}, 2 * shape.deviation));
     } else {
-      shape.box = BoxOf({at(s.v[0]), at(s.v[s.size == 2 ? 1 : 0])}, 2 * reach_);
+      shape.box = Grown(BoxOf({at(s.v[0]), at(s.v[s.size == 2 ? 1 : 0])}, 0));
     }
     return shape;
   }
@@ -258,7 +362,8 @@ class Search {
 
   const Surface& surface_;
   const int since_;
-  const double reach_;
+  const double most_;            // half of the greatest tolerance
+  std::vector<double> reaches_;  // by node: half of the tolerance there
   std::vector<Shape> shapes_;
 };
 
@@ -293,11 +398,12 @@ Point3 FootOn(const Surface& surface, NodePair edge, const Point3& p) {
 }
 
 bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
+  const double tolerance = std::max(surface.ToleranceOf(s), surface.ToleranceOf(t));
   for (const auto& [of, on] : {std::pair(&s, &t), std::pair(&t, &s)}) {
     const std::array<Node, 3> v = surface.CornersOf(*on);
     const Point3& a = surface.at(v[0]);
     const Point3 n = NormalOf(a, surface.at(v[1]), surface.at(v[2]));
-    const double reach = surface.nodes.tolerance() * std::sqrt(Dot(n, n));
+    const double reach = tolerance * std::sqrt(Dot(n, n));
     if (std::all_of(of->v.begin(), of->v.end(),
                     [&](Node c) { return std::abs(Dot(n, Minus(surface.at(c), a))) < reach; })) {
       return true;
@@ -319,9 +425,10 @@ Contacts FindContacts(const Surface& surface, int since, std::size_t most, Effor
   for (std::uint32_t i = 0; i < surface.simplices.size(); ++i) {
     const Simplex& s = surface.simplices[i];
     if (s.size < 3 || !search.IsNew(i)) continue;
+    const double fold = search.FoldOf(i);
     for (int k = 0; k < 3; ++k) {
       const Node v = s.v[static_cast<std::size_t>((k + 2) % 3)];
-      if (search.IsBeside(v, s.Edge(k))) contacts.thin.push_back({s.Edge(k), v});
+      if (search.IsOn(v, s.Edge(k), s, fold)) contacts.thin.push_back({s.Edge(k), v, fold});
     }
   }
   return contacts;

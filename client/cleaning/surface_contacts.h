@@ -38,13 +38,15 @@ struct Contact {
   std::uint32_t s = 0, t = 0;  // simplices, s < t
   int part_of_s = 0, part_of_t = 0;
   Point3 place{};
-  Node at = 0;  // if one of the parts is a corner; else found later
+  Node at = 0;      // if one of the parts is a corner; else found later
+  double fold = 0;  // if they are folded onto each other: how far apart they are
 };
 
 // A face with a corner on its opposite edge: it is to go through that.
 struct ThinFace {
   NodePair edge;
   Node at = 0;
+  double fold = 0;  // as in Contact
 };
 
 struct Contacts {

@@ -74,6 +74,9 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
                                                      " places; clean the surface in parts"));
   }
   found_ = contacts.pairs.size() + contacts.thin.size();
+  places_.clear();
+  for (const Contact& c : contacts.pairs) places_.push_back({c.place, c.fold});
+  for (const ThinFace& face : contacts.thin) places_.push_back({surface_.at(face.at), face.fold});
   Take(contacts.thin);
   Take(contacts.pairs);
   JoinLines();
@@ -424,7 +427,9 @@ bool SurfaceRounds::ApplyTo(std::uint32_t index) {
 std::vector<std::array<Node, 3>> SurfaceRounds::PiecesOf(const Simplex& face,
                                                          const FaceWork& work) const {
   const FaceView view = ViewOf(surface_, face);
-  PlaneTriangulation pieces(surface_.nodes.tolerance());
+  // The shadow makes angles smaller.
+  PlaneTriangulation pieces(surface_.ToleranceOf(face),
+                            std::max(PlaneTriangulation::kLeastSine, 2 * surface_.least_sine));
   absl::flat_hash_map<Node, Vertex> vertex_of;
   const auto add = [&](Node v) {
     const Vertex vertex = pieces.AddVertex(ShadowOf(surface_.at(v), view.axis), v);

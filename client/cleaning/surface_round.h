@@ -41,6 +41,8 @@ class SurfaceRounds {
   // Number of faults found by the last round, and the position of one.
   std::size_t found() const { return found_; }
   const Point3& where() const { return where_; }
+  // Those of all.
+  const std::vector<StuckPlace>& places() const { return places_; }
 
  private:
   struct EdgeNode {
@@ -77,6 +79,7 @@ class SurfaceRounds {
   int seen_ = 0;  // all contacts of simplices born before this round are repaired
   std::size_t found_ = 0;
   Point3 where_{};
+  std::vector<StuckPlace> places_;
   // Of this round.
   Surface::EdgeMap edges_;
   std::vector<EdgeNode> edge_nodes_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <set>
@@ -11,9 +12,11 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/patch_distance.h"
+#include "client/cleaning/surface.h"
+#include "client/cleaning/surface_polygons.h"
+#include "client/cleaning/tolerance_field.h"
 #include "client/cleaning/vectors3.h"
 #include "core/base/rings.h"
-#include "core/coplanar/cut_face.h"
 
 namespace dynmesh::preparation {
 namespace {
@@ -103,30 +106,38 @@ bool IsWithin(const Edge& edge, std::span<const Edge> targets, double distance) 
 
 using cleaning::TriangleCorners;
 
+// Polygons of more corners are cut as they are for cleaning.
 std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
-  const auto at = PositionsOf(features);
+  double size = 0;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    for (const double x : f.position) size = std::max(size, std::abs(x));
+  }
+  const cleaning::ToleranceField field(size > 0 ? size : 1);  // not used here
+  cleaning::Surface surface(field);
+  std::vector<std::pair<Point3, FeatureId>> points;  // nodes are in the order of coordinates there
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) points.emplace_back(f.position, f.id);
+  }
+  std::ranges::sort(points);
+  absl::flat_hash_map<FeatureId, cleaning::Node> node_of;
+  cleaning::Node last = 0;
+  for (const auto& [at, id] : points) {
+    if (node_of.empty() || surface.at(last) != at) last = surface.AddNode(at, id);
+    node_of[id] = last;
+  }
   std::vector<TriangleCorners> triangles;
   for (const Feature& f : features) {
     if (f.kind != FeatureKind::kPolygon) continue;
+    std::vector<cleaning::NodeRing> rings;
     for (const std::vector<FeatureId>& ring : f.rings) {
-      coplanar::CornerRing corners;
-      std::vector<geometry::Point3> places;
-      for (const FeatureId id : ring) {
-        const Point3& p = at.at(id);
-        corners.push_back(static_cast<std::uint32_t>(places.size()));
-        places.push_back({{p[0], p[1], p[2]}});
-      }
-      std::vector<coplanar::CornerRing> parts;
-      if (ring.size() > 3) parts = coplanar::CutFace(places, corners);
-      if (parts.empty()) {  // a fan covers it
-        for (std::uint32_t i = 2; i < ring.size(); ++i) parts.push_back({0, i - 1, i});
-      }
-      for (const coplanar::CornerRing& part : parts) {
-        TriangleCorners triangle;
-        for (std::size_t i = 0; i < 3; ++i) triangle[i] = at.at(ring[part[i]]);
-        std::ranges::sort(triangle);
-        triangles.push_back(triangle);
-      }
+      cleaning::NodeRing& nodes = rings.emplace_back();
+      for (const FeatureId id : ring) nodes.push_back(node_of.at(id));
+    }
+    for (const auto& t : cleaning::PiecesOf(surface, rings, 0).triangles) {
+      TriangleCorners triangle = {surface.at(t[0]), surface.at(t[1]), surface.at(t[2])};
+      std::ranges::sort(triangle);
+      triangles.push_back(triangle);
     }
   }
   std::ranges::sort(triangles);
@@ -201,8 +212,8 @@ std::optional<double> Bound(const std::vector<Piece>& from, const std::vector<Pi
       for (const cleaning::BoxEntry& entry : found) targets.push_back(to[entry.second]);
       std::ranges::sort(targets);
       if (IsWithin(piece, targets, bound)) break;
-      bound *= 2;
-      if (!(bound <= most)) return std::nullopt;
+      if (bound == most) return std::nullopt;
+      bound = std::min(2 * bound, most);
     }
   }
   return bound;

@@ -17,7 +17,7 @@
 namespace dynmesh::preparation {
 
 // A bound of the distance from each point of an edge or face of `from` to the nearest one of `to`:
-// `least` times a power of 2, nothing if that exceeds `most`. "Nothing" may be wrong where
+// `least` times a power of 2, or `most`, and nothing if it is more. "Nothing" may be wrong where
 // distances are nearly `most`. Edges are segments and those of polygons; faces are polygons.
 // REQUIRES: 0 < least <= most; ends and corners are points of their set.
 std::optional<double> FarthestBound(const std::vector<Feature>& from,

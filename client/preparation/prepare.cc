@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_format.h"
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/clean_input.h"
@@ -34,6 +35,9 @@ using text::Concat;
 constexpr double kSharesOfWithin[] = {1e-3, 1e-2, 1e-1, 0.5, 1};
 // Joining moves corners by a few roundings of the file's numbers, and must not make new contacts.
 constexpr double kRoundings = 32;
+// In degrees. What meets at a lesser angle becomes one, in a surface that a mesh refuses for an
+// angle: twice what it takes at a corner.
+constexpr double kLeastAngle = 0.002;
 // Distances are told up to a factor of 2, from this share of the tolerance on.
 constexpr double kLeastBound = 1.0 / 16;
 
@@ -84,6 +88,11 @@ bool IsOfFeatures(const absl::Status& refusal) {
   return detail && (!detail->features.empty() || detail->reason == reason::kVertexLimit);
 }
 
+bool IsOfAngle(const absl::Status& refusal) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
+  return detail && detail->reason == reason::kSmallAngle;
+}
+
 // ---- open edges
 
 struct OpenEdge {
@@ -129,6 +138,41 @@ bool MayBeClosed(const std::vector<OpenEdge>& open, double distance) {
   });
 }
 
+// Where a closed surface is folded onto itself, two faces become one, which encloses nothing. Those
+// of `doubled` that have a free edge go, one after the other, and corners that are left over. Then
+// no free edge is left. Returns how many faces.
+std::size_t DropFlaps(const std::vector<FeatureId>& doubled, std::vector<Feature>& features) {
+  const absl::flat_hash_set<FeatureId> may_go(doubled.begin(), doubled.end());
+  std::size_t dropped = 0;
+  while (!may_go.empty()) {
+    absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
+    for (const Feature& f : features) {
+      if (f.kind != FeatureKind::kPolygon) continue;
+      ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
+    }
+    const std::size_t flaps = std::erase_if(features, [&](const Feature& f) {
+      bool is_flap = false;
+      if (f.kind != FeatureKind::kPolygon || !may_go.contains(f.id)) return is_flap;
+      ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
+        is_flap = is_flap || faces_at.at(std::minmax(p, q)) == 1;
+      });
+      return is_flap;
+    });
+    if (flaps == 0) break;
+    dropped += flaps;
+  }
+  if (dropped == 0) return dropped;
+  absl::flat_hash_set<FeatureId> used;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kSegment) used.insert(f.ends.begin(), f.ends.end());
+    for (const auto& ring : f.rings) used.insert(ring.begin(), ring.end());
+  }
+  std::erase_if(features, [&](const Feature& f) {
+    return f.kind == FeatureKind::kPoint && !used.contains(f.id);
+  });
+  return dropped;
+}
+
 // ---- what was done
 
 template <class Kind, class Change>
@@ -156,41 +200,53 @@ bool HasEdges(const std::vector<Feature>& features) {
 // The geometry that a file has, as it is to be cleaned.
 class Cleaner {
  public:
-  Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, double within)
-      : raw_(std::move(raw)), reading_(reading), is_surface_(is_surface), within_(within) {
+  // `is_closed`: the input has no open edges.
+  Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, bool is_closed,
+          double within)
+      : raw_(std::move(raw)),
+        reading_(reading),
+        is_surface_(is_surface),
+        is_closed_(is_closed),
+        within_(within) {
     raw_.warnings.clear();
     DropAttributes();
   }
 
-  // What cleaning with the tolerance makes. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
+  // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
+  // becomes one. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
   // OUT_OF_RANGE if it is too far from the input; NOT_FOUND if nothing is left.
-  absl::StatusOr<Prepared> Clean(double tolerance) const {
+  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle = 0) const {
     Prepared prepared = {raw_, {}};
     Report& report = prepared.report;
     report.is_mended = true;
     report.within = within_;
-    const absl::Status status = raw_.options.dimension == 2 ? CleanPlane(tolerance, prepared)
-                                                            : CleanSpace(tolerance, prepared);
+    std::vector<FeatureId> doubled;
+    const absl::Status status = raw_.options.dimension == 2
+                                    ? CleanPlane(tolerance, prepared)
+                                    : CleanSpace(tolerance, least_angle, doubled, prepared);
     if (!status.ok()) return status;
-    if (!(report.tolerance <= within_)) return TooFar();
     if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) {
       return absl::NotFoundError(
           Concat("nothing is left: 0 polygons and 0 segments; none has an area or a length of ",
                  static_cast<float>(tolerance)));
     }
     const int dimension = raw_.options.dimension;
-    const double least = std::min(kLeastBound * report.tolerance, within_);
-    const auto there =
-        FarthestBound(prepared.geometry.features, raw_.features, dimension, least, within_);
-    if (!there) return TooFar();
-    report.farthest = *there;
-    // In 2D edges that are there and back are dropped, as they enclose nothing.
-    if (dimension == 3) {
-      const auto back =
-          FarthestBound(raw_.features, prepared.geometry.features, dimension, least, within_);
-      if (!back) return TooFar();
-      report.farthest = std::max(report.farthest, *back);
+    std::optional<double> farthest;
+    if (is_closed_ && raw_.options.dimension == 3) {
+      std::vector<Feature> whole = prepared.geometry.features;
+      const std::size_t flaps = DropFlaps(doubled, prepared.geometry.features);
+      farthest = FarthestOf(prepared);
+      if (farthest) {
+        AddCount("flap dropped", flaps, report);
+      } else if (flaps != 0) {
+        prepared.geometry.features = std::move(whole);
+        farthest = FarthestOf(prepared);
+      }
+    } else {
+      farthest = FarthestOf(prepared);
     }
+    if (!farthest) return TooFar();
+    report.farthest = *farthest;
     if (is_surface_) {
       const io::SurfaceCounts counts = io::JoinFacesInOnePlane(reading_, prepared.geometry);
       prepared.geometry.surface = counts;
@@ -218,6 +274,19 @@ class Cleaner {
   }
 
  private:
+  // A bound of how far the result and the input are from each other; nothing if it is too much.
+  std::optional<double> FarthestOf(const Prepared& prepared) const {
+    const int dimension = raw_.options.dimension;
+    const std::vector<Feature>& result = prepared.geometry.features;
+    const double least = std::min(kLeastBound * prepared.report.tolerance, within_);
+    const auto there = FarthestBound(result, raw_.features, dimension, least, within_);
+    // In 2D edges that are there and back are dropped, as they enclose nothing.
+    if (!there || dimension == 2) return there;
+    const auto back = FarthestBound(raw_.features, result, dimension, least, within_);
+    if (!back) return back;
+    return std::max(*there, *back);
+  }
+
   absl::Status TooFar() const {
     return absl::OutOfRangeError(Concat("cleaning moves it by more than ", within_));
   }
@@ -241,9 +310,15 @@ class Cleaner {
     return absl::OkStatus();
   }
 
-  absl::Status CleanSpace(double tolerance, Prepared& prepared) const {
+  absl::Status CleanSpace(double tolerance, double least_angle, std::vector<FeatureId>& doubled,
+                          Prepared& prepared) const {
     cleaning::SurfaceCleanOptions options;
     options.tolerance = tolerance;
+    options.least_angle = least_angle;
+    while (options.first_doublings > 0 &&
+           std::ldexp(tolerance, options.first_doublings) > within_ / 2) {
+      --options.first_doublings;
+    }
     options.holes = !is_surface_;
     absl::StatusOr<cleaning::SurfaceCleanResult> cleaned =
         cleaning::CleanSurfaces(raw_.features, options);
@@ -251,6 +326,7 @@ class Cleaner {
     prepared.geometry.features = std::move(cleaned->features);
     io::KeepPlacesOfParts(cleaned->parts, prepared.geometry);
     prepared.report.tolerance = cleaned->tolerance;
+    doubled = std::move(cleaned->doubled);
     AddChanges<cleaning::SurfaceChangeKind>(cleaned->changes, cleaning::kSurfaceChangeKinds,
                                             prepared.report);
     return absl::OkStatus();
@@ -274,7 +350,7 @@ class Cleaner {
 
   Geometry raw_;
   const io::GeometryOptions& reading_;
-  bool is_surface_;
+  bool is_surface_, is_closed_;
   double within_;
 };
 
@@ -298,11 +374,16 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   const std::vector<double> tolerances = cleaner.Tolerances();
   for (const double tolerance : tolerances) {
     absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
+    absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
+    if (IsOfAngle(refusal)) {
+      cleaned = cleaner.Clean(tolerance, kLeastAngle);
+      if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
+    }
     if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
       return cleaned.status();
     }
-    if (absl::IsOutOfRange(cleaned.status()) || absl::IsNotFound(cleaned.status())) break;
-    if (!cleaned.ok() || !Refusal(cleaned->geometry).ok()) continue;
+    if (absl::IsNotFound(cleaned.status())) break;
+    if (!cleaned.ok() || !refusal.ok()) continue;
     cleaned->report.found = as_read.found;
     cleaned->report.open_edges = as_read.open_edges;
     const bool is_closed = cleaned->report.open_edges_after == 0;
@@ -349,6 +430,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
   const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const absl::Status unread = given.status();
+  const bool given_ok = given.ok();
   Prepared as_read;
   bool to_close = false;
   if (given.ok()) {
@@ -366,7 +448,8 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
   if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
     const double within = within_of(*raw);
-    const Cleaner cleaner(*std::move(raw), reading, is_surface, within);
+    const bool is_closed = given_ok && as_read.report.open_edges == 0;
+    const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
     absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));

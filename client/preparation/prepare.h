@@ -3,11 +3,13 @@
 //
 // Else it is cleaned (client/cleaning), with the least of a few tolerances after which a mesh
 // accepts it: that of `import --clean`, or some roundings of a surface file's numbers if that is
-// more, then powers of ten up to the distance D. Faces of a surface file are joined again after
-// that. A result that is farther than D from the input is not taken:
-// each point of an edge or face of it is within D of one of the input; in 3D the other way round,
-// too (farthest.h). If no tolerance helps, the input is as it was read, and `found` says why a mesh
-// refuses it.
+// more, then powers of ten up to the distance D. If a mesh refuses the result for an angle, what
+// meets at less than twice what it takes becomes one. Of an input without open edges, faces that it
+// was folded to and that enclose nothing go. Faces of a surface file are joined again after that.
+//
+// A result that is farther than D from the input is not taken: each point of an edge or face of it
+// is within D of one of the input; in 3D the other way round, too (farthest.h). If no tolerance
+// helps, the input is as it was read, and `found` says why a mesh refuses it.
 //
 // Also of a surface with open edges: if some tolerance closes all of them within D, it is taken.
 //

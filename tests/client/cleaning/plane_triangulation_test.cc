@@ -126,5 +126,18 @@ TEST(PlaneTriangulation, ABorderRunsThroughItsPointsOrTheOppositeCorner) {
   EXPECT_EQ(SetOf(plane), (std::set<std::set<Vertex>>{{a, v, c}}));
 }
 
+TEST(PlaneTriangulation, ABorderThatHasGoneThroughTheOppositeCornerGoesOn) {
+  PlaneTriangulation plane;
+  const Vertex a = plane.AddVertex({0, 0}, 0), b = plane.AddVertex({4, 0}, 1),
+               c = plane.AddVertex({2, 0.001}, 2);
+  plane.AddTriangle(a, b, c);
+  // From b to a through c, then through another point: between that and ca a triangle is left.
+  EXPECT_EQ(plane.SplitBorder(a, b, plane.AddVertex({2, 0.001}, 2)), c);
+  EXPECT_TRUE(SetOf(plane).empty());
+  const Vertex v = plane.AddVertex({1, -0.001}, 3);
+  EXPECT_EQ(plane.SplitBorder(a, c, v), v);
+  EXPECT_EQ(SetOf(plane), (std::set<std::set<Vertex>>{{a, v, c}}));
+}
+
 }  // namespace
 }  // namespace dynmesh::cleaning

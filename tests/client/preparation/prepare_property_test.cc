@@ -1,5 +1,7 @@
 // Random solids that cross, overlap and have cracks: what is prepared is accepted, as near as it
 // says, and stays as it is when it is prepared again.
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -46,6 +48,22 @@ class Solids {
     return all;
   }
 
+  // A ring with crowds of points, some seen from the tips at less than a mesh takes.
+  Solid NextNeedles() {
+    std::uniform_real_distribution<double> exponent(-7, -3), height(-7, -4), part(0.2, 1);
+    std::vector<std::array<double, 2>> ring;
+    const int crowds = 3 + Below(4);
+    for (int i = 0; i < crowds; ++i) {
+      double angle = 2 * std::numbers::pi * (i + 0.3 * part(random_)) / crowds;
+      for (int k = Below(6); k >= 0; --k) {
+        const double radius = 1 + (Below(2) == 0 ? 0 : std::pow(10, height(random_)));
+        ring.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+        angle += std::pow(10, exponent(random_));
+      }
+    }
+    return test::DoublePyramid(ring);
+  }
+
  private:
   int Below(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
   void Turn(Solid& solid) {
@@ -73,14 +91,14 @@ class Solids {
   std::mt19937_64 random_;
 };
 
-TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
+void ExpectAcceptedAndNearAndStays(Solid (Solids::*next)()) {
   const std::uint64_t seed = test::NewSeed();
   const int runs = test::IsNightly() ? 2000 : 40;
   const test::TempFolder folder;
   Solids solids(seed);
   int mended = 0;
   for (int run = 0; run < runs; ++run) {
-    const std::string path = folder.Write("s.off", solids.Next().Off());
+    const std::string path = folder.Write("s.off", (solids.*next)().Off());
     const auto prepared = Prepare(path, {}, {});
     ASSERT_TRUE(prepared.ok()) << run << prepared.status();
     const Report& report = prepared->report;
@@ -112,6 +130,14 @@ TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
     EXPECT_FALSE(again->report.is_mended) << run;
   }
   EXPECT_GT(mended, runs / 4);
+}
+
+TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
+  ExpectAcceptedAndNearAndStays(&Solids::Next);
+}
+
+TEST(PrepareProperty, NeedlesAreTakenAwayWithinTheDistance) {
+  ExpectAcceptedAndNearAndStays(&Solids::NextNeedles);
 }
 
 }  // namespace

@@ -84,6 +84,36 @@ TEST_F(PrepareTest, AWiderCrackStaysUnlessTheDistanceAllowsIt) {
   EXPECT_LE(closed.report.farthest, 0.05);
 }
 
+TEST_F(PrepareTest, NeedlesOfAFanBecomeOneEdge) {
+  // Three points of the ring are seen from the tips at less than 0.001 degrees.
+  const Solid solid = test::DoublePyramid(
+      {{1, 0}, {0.2, 1}, {0.2 - 1e-5, 1}, {0.2 - 2.2e-5, 1 - 1e-6}, {-1, -0.5}});
+  const Prepared prepared = Of("needles.off", solid.Off());
+  ASSERT_FALSE(prepared.report.found.ok());
+  EXPECT_TRUE(prepared.report.is_mended);
+  EXPECT_EQ(prepared.report.open_edges_after, 0U);
+  EXPECT_LE(prepared.report.farthest, prepared.report.within);
+  const auto mesh = MeshOf(prepared);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_LT(mesh->vertices.size(), 2000U);
+}
+
+TEST_F(PrepareTest, FacesThatAreNotFlatAreComparedAsTheyAreCut) {
+  // A cut along the other diagonal is farther away than may be. (Few digits mean large roundings.)
+  const std::string box =
+      "OFF\n16 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1.1\n0 1 1\n"
+      "0.20000000000001 0.20000000000001 0.5\n0.40000000000001 0.20000000000001 "
+      "0.5\n0.40000000000001 0.40000000000001 0.5\n0.20000000000001 0.40000000000001 0.5\n"
+      "0.20000000000001 0.20000000000001 2\n0.40000000000001 0.20000000000001 2\n0.40000000000001 "
+      "0.40000000000001 2\n0.20000000000001 0.40000000000001 2\n"
+      "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+      "4 11 10 9 8\n4 12 13 14 15\n4 8 9 13 12\n4 9 10 14 13\n4 10 11 15 14\n4 11 8 12 15\n";
+  const Prepared prepared = Of("boxes.off", box);
+  EXPECT_TRUE(prepared.report.is_mended);
+  EXPECT_LE(prepared.report.farthest, 1e-6);
+  EXPECT_TRUE(MeshOf(prepared).ok());
+}
+
 TEST_F(PrepareTest, AnOpenSurfaceStaysOpen) {
   Solid solid = BoxSolid({0, 0, 0}, {1, 1, 1});
   solid.faces.resize(10);

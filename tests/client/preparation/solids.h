@@ -48,6 +48,20 @@ inline Solid BoxSolid(const std::array<double, 3>& lo, const std::array<double, 
   return box;
 }
 
+// Two fans of triangles over a ring in the plane z = 0: to tips at z = 1 and -1.
+inline Solid DoublePyramid(const std::vector<std::array<double, 2>>& ring) {
+  Solid solid;
+  for (const auto& [x, y] : ring) solid.points.push_back({x, y, 0});
+  const std::size_t n = ring.size();
+  solid.points.push_back({0.1, 0.2, 1});
+  solid.points.push_back({-0.1, 0.1, -1});
+  for (std::size_t i = 0; i < n; ++i) {
+    solid.faces.push_back({i, (i + 1) % n, n});
+    solid.faces.push_back({(i + 1) % n, i, n + 1});
+  }
+  return solid;
+}
+
 // A box whose two faces at the highest z have points of their own, `gap` above the others.
 inline Solid CrackedBox(double gap) {
   Solid box = BoxSolid({0, 0, 0}, {1, 1, 1});
