@@ -12,6 +12,7 @@
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/patch_distance.h"
 #include "client/cleaning/vectors3.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/coplanar/cut_face.h"
 
@@ -30,7 +31,7 @@ constexpr std::size_t kPieces = 64, kPiecesOfTarget = 8;
 absl::flat_hash_map<FeatureId, Point3> PositionsOf(const std::vector<Feature>& features) {
   absl::flat_hash_map<FeatureId, Point3> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
+    if (IsPoint(f)) at[f.id] = f.position;
   }
   return at;
 }
@@ -49,8 +50,9 @@ std::vector<Edge> EdgesOf(const std::vector<Feature>& features) {
     if (edge[0] != edge[1]) edges.push_back(edge);
   };
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kSegment) add(f.ends[0], f.ends[1]);
-    if (f.kind == FeatureKind::kPolygon) ForEachEdgeOf(f.rings, add);
+    Visit(
+        f, [&](const ASegment& s) { add(s.ends[0], s.ends[1]); },
+        [&](const APolygon& p) { ForEachEdgeOf(p.rings, add); }, Ignore<APoint, ASize>);
   }
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -107,7 +109,7 @@ std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
   const auto at = PositionsOf(features);
   std::vector<TriangleCorners> triangles;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     for (const std::vector<FeatureId>& ring : f.rings) {
       coplanar::CornerRing corners;
       std::vector<geometry::Point3> places;

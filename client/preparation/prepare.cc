@@ -16,6 +16,7 @@
 #include "client/cleaning/clean_surfaces.h"
 #include "client/preparation/default_limit.h"
 #include "client/preparation/farthest.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/base/rounding.h"
 #include "core/base/text.h"
@@ -55,7 +56,7 @@ constexpr std::uint64_t kVerticesOfGaps = 200'000, kVerticesOfGapsForFeature = 1
 bool MayBeRefused(const std::vector<Feature>& features, double distance) {
   std::vector<double> xs;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) return true;
+    if (!IsPoint(f)) return true;
     xs.push_back(f.position[0]);
   }
   std::ranges::sort(xs);
@@ -95,8 +96,8 @@ std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
   absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
   absl::flat_hash_map<FeatureId, cleaning::Point3> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (IsPoint(f)) at[f.id] = f.position;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
   }
   std::vector<OpenEdge> open;
@@ -148,9 +149,8 @@ void AddCount(const char* what, std::size_t count, Report& report) {
 // ---- one tolerance
 
 bool HasEdges(const std::vector<Feature>& features) {
-  return std::ranges::any_of(features, [](const Feature& f) {
-    return f.kind == FeatureKind::kSegment || f.kind == FeatureKind::kPolygon;
-  });
+  return std::ranges::any_of(
+      features, [](const Feature& f) { return Is<ASegment, APolygon>(f, Not<APoint, ASize>); });
 }
 
 // The geometry that a file has, as it is to be cleaned.
@@ -262,7 +262,7 @@ class Cleaner {
     for (const Feature& f : raw_.features) last = std::max(last, f.id);
     std::vector<std::pair<FeatureId, FeatureId>> parts;
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kSegment) continue;
+      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
       if (f.id <= last) {
         whole = f.id;
       } else {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/stopwatch.h"
@@ -88,6 +89,9 @@ absl::Status LiveQuadtree<D>::StatusOfIds() const {
   const auto clash = leaves_.Clash();
   return clash.has_value() ? IdCollisionError(*clash) : absl::OkStatus();
 }
+
+// What a quadtree is told of (ShapeTable).
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 template <int D>
 absl::StatusOr<MeshDiff> LiveQuadtree<D>::Run(const plc::Delta<D>& delta,

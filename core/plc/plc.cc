@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/feature_kinds.h"
 #include "core/plc/batch_check.h"
 
 namespace dynmesh::plc {
@@ -43,6 +44,9 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   most_ = std::max(most_, size());
   if (most_ > kFew && size() <= most_ / 4) GiveMemoryBack();
 }
+
+// Here and below each kind has its lists.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 // Inserts what the delta adds.
 template <int D>
