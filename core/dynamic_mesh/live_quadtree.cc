@@ -126,7 +126,7 @@ absl::StatusOr<MeshDiff> LiveQuadtree<D>::Run(const plc::Delta<D>& delta,
   diff.work.diff_microseconds = watch.microseconds();
   batch.meter.End();
   if (absl::Status status = commit(diff); !status.ok()) return refuse(std::move(status));
-  plc_.Commit(delta);
+  plc_.Apply(delta);
   return diff;
 }
 

@@ -26,7 +26,7 @@ absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
 }
 
 template <int D>
-void Plc<D>::Commit(const Delta<D>& delta) {
+void Plc<D>::Apply(const Delta<D>& delta) {
   for (const SegmentFeature<D>& f : delta.removed_segments) index_->EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
   if constexpr (D == 3) {
