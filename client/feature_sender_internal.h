@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/channel_internal.h"
+#include "core/base/feature_kinds.h"
 #include "proto/codec/edit_codec.h"
 
 namespace dynmesh::client {
@@ -51,7 +52,7 @@ class FeatureSender {
 
   // Keeps the order of features: the points of a message precede its other features.
   bool Add(const Feature& feature) {
-    if (feature.kind == FeatureKind::kPoint && !feature.label && message_.features_size() == 0) {
+    if (IsPoint(feature) && !feature.label && message_.features_size() == 0) {
       codec::EncodePointRow(feature, dimension_, message_.mutable_points());
       bytes_ += kPointBytes;
     } else {

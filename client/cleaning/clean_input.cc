@@ -10,6 +10,7 @@
 #include "client/cleaning/line_graph.h"
 #include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/base/size_shapes.h"
 #include "core/base/text.h"
@@ -34,15 +35,19 @@ class Cleaner {
     max_id_ = *max_id;
     EnterPoints<2>(features_, graph_, node_of_);
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) {
-        const Node a = node_of_[f.ends[0]], b = node_of_[f.ends[1]];
-        if (a == b) Report(ChangeKind::kZeroLength, {f.id}, a, a);
-        graph_.Connect(a, b, f.id);
-      } else if (f.kind == FeatureKind::kPolygon) {
-        for (const NodePair& edge : EdgesOf(f)) {
-          graph_.Connect(edge.first, edge.second, kNoFeature, {f.id});
-        }
-      }
+      Visit(
+          f,
+          [&](const ASegment& s) {
+            const Node a = node_of_[s.ends[0]], b = node_of_[s.ends[1]];
+            if (a == b) Report(ChangeKind::kZeroLength, {s.id}, a, a);
+            graph_.Connect(a, b, s.id);
+          },
+          [&](const APolygon&) {
+            for (const NodePair& edge : EdgesOf(f)) {
+              graph_.Connect(edge.first, edge.second, kNoFeature, {f.id});
+            }
+          },
+          Ignore<APoint, ASize>);
     }
     graph_.Settle();
     Rounds rounds(graph_, max_id_ + 1, options_.max_crossings);
@@ -115,8 +120,8 @@ class Cleaner {
     }
     std::vector<Feature> others;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint || f.kind == FeatureKind::kSegment) continue;
-      const bool is_size = f.kind == FeatureKind::kSize;
+      if (Is<APoint, ASegment>(f, Not<APolygon, ASize>)) continue;
+      const bool is_size = Is<ASize>(f, Not<APoint, ASegment, APolygon>);
       const SizeShapeUse* const use = is_size ? FindUse(f.sizing.shape) : nullptr;
       if (is_size && (use == nullptr || !use->rings)) {
         others.push_back(f);
@@ -168,7 +173,7 @@ class Cleaner {
       features.push_back(Feature::Point(graph_.point_ids[v], p[0], p[1]));
     };
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       const Node v = node_of_.at(f.id);
       if (graph_.point_ids[v] == f.id) add(v);
     }
@@ -184,7 +189,8 @@ class Cleaner {
       if (e.owner != kNoFeature) parts[e.owner].push_back(&e);
     }
     for (const Feature& f : features_) {
-      const auto it = f.kind == FeatureKind::kSegment ? parts.find(f.id) : parts.end();
+      const auto it =
+          Is<ASegment>(f, Not<APoint, APolygon, ASize>) ? parts.find(f.id) : parts.end();
       if (it == parts.end()) continue;
       const Point &from = graph_.nodes.at(node_of_[f.ends[0]]),
                   &to = graph_.nodes.at(node_of_[f.ends[1]]);

@@ -15,6 +15,7 @@
 #include "client/cleaning/surface_polygons.h"
 #include "client/cleaning/surface_round.h"
 #include "client/cleaning/tolerance_field.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cleaning {
@@ -50,11 +51,12 @@ class SurfaceCleaner {
     EnterPoints<3>(features_, surface_, node_of_);
     const absl::flat_hash_set<FeatureId> named = Named();
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) AddSegment(f);
-      if (f.kind == FeatureKind::kPolygon) AddPolygon(f);
+      Visit(
+          f, [&](const ASegment&) { AddSegment(f); }, [&](const APolygon&) { AddPolygon(f); },
+          Ignore<APoint, ASize>);
     }
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint || named.contains(f.id)) continue;
+      if (!IsPoint(f) || named.contains(f.id)) continue;
       surface_.Add(std::array{node_of_.at(f.id)}, {f.id});
     }
     surface_.Settle();
@@ -89,8 +91,7 @@ class SurfaceCleaner {
   absl::flat_hash_set<FeatureId> Named() const {
     absl::flat_hash_set<FeatureId> named;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) named.insert(f.ends.begin(), f.ends.end());
-      for (const auto& ring : f.rings) named.insert(ring.begin(), ring.end());
+      ForEachPointOf(f, [&](FeatureId id) { named.insert(id); });
     }
     return named;
   }
@@ -196,13 +197,15 @@ class SurfaceCleaner {
     SurfaceCleanResult result;
     AddPoints(used, result.features);
     FeatureId next_id = surface_.next_id;
-    for (const FeatureKind kind : {FeatureKind::kSegment, FeatureKind::kPolygon}) {
+    for (const bool is_of_faces : {false, true}) {
       for (const Feature& f : features_) {
-        if (f.kind != kind) continue;
+        if (!Is<ASegment, APolygon>(f, Not<APoint, ASize>)) continue;
+        const bool is_face = Is<APolygon>(f, Not<APoint, ASegment, ASize>);
+        if (is_face != is_of_faces) continue;
         const auto it = parts.find(f.id);
         if (it == parts.end()) {
           ReportDropped(f);
-        } else if (kind == FeatureKind::kPolygon && whole.contains(f.id)) {
+        } else if (is_face && whole.contains(f.id)) {
           result.features.push_back(Feature::Polygon(f.id, IdsOf(polygons_.at(f.id).rings)));
           if (IsDoubled(*it->second.front())) result.doubled.push_back(f.id);
         } else {
@@ -211,15 +214,14 @@ class SurfaceCleaner {
             if (id != f.id) result.parts.emplace_back(id, f.id);
             if (IsDoubled(*s)) result.doubled.push_back(id);
             result.features.push_back(
-                kind == FeatureKind::kPolygon
-                    ? Feature::Polygon(id, IdsOf({{s->v[0], s->v[1], s->v[2]}}))
-                    : SegmentOf(f, id, *s));
+                is_face ? Feature::Polygon(id, IdsOf({{s->v[0], s->v[1], s->v[2]}}))
+                        : SegmentOf(f, id, *s));
           }
         }
       }
     }
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSize) result.features.push_back(f);
+      if (Is<ASize>(f, Not<APoint, ASegment, APolygon>)) result.features.push_back(f);
     }
     result.changes = std::move(surface_.changes);
     result.rounds = surface_.round;
@@ -237,7 +239,7 @@ class SurfaceCleaner {
       features.push_back(Feature::Point(surface_.point_ids[v], p[0], p[1], p[2]));
     };
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       of_input.insert(f.id);
       const Node v = node_of_.at(f.id);
       if (used[v] && surface_.point_ids[v] == f.id) add(v);
@@ -266,7 +268,7 @@ class SurfaceCleaner {
   }
 
   void ReportDropped(const Feature& f) {
-    const bool is_face = f.kind == FeatureKind::kPolygon;
+    const bool is_face = Is<APolygon>(f, Not<APoint, ASegment, ASize>);
     Point3 at{};
     if (!is_face || (!f.rings.empty() && !f.rings.front().empty())) {
       at = surface_.at(node_of_.at(is_face ? f.rings.front().front() : f.ends[0]));

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "dynmesh/error.h"
 
@@ -34,7 +35,7 @@ absl::StatusOr<FeatureId> CheckFeatures(const std::vector<Feature>& features, do
       return Refuse(reason::kIdInUse, {f.id}, Concat("feature ", f.id, " stands twice"));
     }
     max_id = std::max(max_id, f.id);
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     for (std::size_t i = 0; i < limits.dimension; ++i) {
       const double x = std::abs(f.position[i]);
       if (!(x <= most)) {
@@ -47,10 +48,10 @@ absl::StatusOr<FeatureId> CheckFeatures(const std::vector<Feature>& features, do
   }
   const auto is_point = [&known](FeatureId id) {
     const auto it = known.find(id);
-    return it != known.end() && it->second->kind == FeatureKind::kPoint;
+    return it != known.end() && IsPoint(*it->second);
   };
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kSegment) continue;
+    if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
     for (const FeatureId end : f.ends) {
       if (is_point(end)) continue;
       return Refuse(reason::kUnknownEnd, {f.id, end},

@@ -13,6 +13,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
 #include "client/cleaning/node_table.h"
+#include "core/base/feature_kinds.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::cleaning {
@@ -41,7 +42,7 @@ void EnterPoints(const std::vector<Feature>& features, Graph& graph,
   constexpr double kMinCoordinate = 0x1p-200;
   std::vector<std::pair<PointOf<D>, FeatureId>> entries;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     PointOf<D> given;
     for (std::size_t i = 0; i < D; ++i) given[i] = f.position[i] + 0.0;  // -0 becomes 0
     PointOf<D> at = given;

@@ -12,6 +12,7 @@
 #include "client/cleaning/patch_rules.h"
 #include "client/cleaning/surface.h"
 #include "client/cleaning/surface_polygons.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cleaning {
@@ -33,7 +34,7 @@ class Simplifier {
     std::vector<PatchFace> faces = Triangulate();
     std::vector<NodePair> segments;
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kSegment) continue;
+      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
       segments.push_back(Ordered(node_of_.at(f.ends[0]), node_of_.at(f.ends[1])));
     }
     std::sort(segments.begin(), segments.end());
@@ -71,7 +72,7 @@ class Simplifier {
   std::vector<Point3> EnterNodes() {
     std::vector<const Feature*> order;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint) order.push_back(&f);
+      if (IsPoint(f)) order.push_back(&f);
       next_id_ = std::max(next_id_, f.id + 1);
     }
     std::sort(order.begin(), order.end(),
@@ -87,7 +88,7 @@ class Simplifier {
   std::vector<PatchFace> Triangulate() {
     std::vector<PatchFace> faces;
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       std::vector<NodeRing> rings;
       for (const auto& ring : f.rings) {
         NodeRing& nodes = rings.emplace_back();
@@ -121,12 +122,8 @@ class Simplifier {
       if (face.is_alive) parts[face.source].push_back(&face);
     }
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint) {
-        if (!is_dropped_[node_of_.at(f.id)]) result.features.push_back(f);
-        continue;
-      }
-      if (f.kind != FeatureKind::kPolygon) {
-        result.features.push_back(f);
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) {
+        if (!IsPoint(f) || !is_dropped_[node_of_.at(f.id)]) result.features.push_back(f);
         continue;
       }
       const auto it = parts.find(f.id);
@@ -161,11 +158,11 @@ class Simplifier {
 double DefaultWithin(const std::vector<Feature>& features) {
   absl::flat_hash_map<FeatureId, const Point3*> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = &f.position;
+    if (IsPoint(f)) at[f.id] = &f.position;
   }
   std::optional<Box3> box;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     for (const auto& ring : f.rings) {
       for (const FeatureId corner : ring) {
         const Box3 here = {*at.at(corner), *at.at(corner)};

@@ -11,6 +11,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/polygon_rings.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/ring_walk.h"
 
 namespace dynmesh::cleaning {
@@ -83,12 +84,12 @@ class Faces {
   void Enter(const std::vector<Feature>& features) {
     absl::flat_hash_map<FeatureId, const Feature*> points;
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points.emplace(f.id, &f);
+      if (IsPoint(f)) points.emplace(f.id, &f);
     }
     absl::flat_hash_map<FeatureId, Vertex> number;
     std::set<std::pair<Vertex, Vertex>> joined;
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kSegment || f.ends[0] == f.ends[1]) continue;
+      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>) || f.ends[0] == f.ends[1]) continue;
       if (!points.contains(f.ends[0]) || !points.contains(f.ends[1])) continue;
       Vertex v[2];
       for (std::size_t i = 0; i < 2; ++i) {

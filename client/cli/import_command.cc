@@ -20,6 +20,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/vertex_limit.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_output.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -60,7 +61,7 @@ std::string ToJson(const std::vector<io::PolygonName>& names,
                    const std::vector<Feature>& features) {
   std::set<FeatureId> left;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPolygon) left.insert(f.id);
+    if (Is<APolygon>(f, Not<APoint, ASegment, ASize>)) left.insert(f.id);
   }
   std::string lines;
   for (const io::PolygonName& polygon : names) {
@@ -87,7 +88,7 @@ absl::Status ValidateFeatures(const std::vector<Feature>& features, MeshOptions 
 absl::Status CheckInside(const Input& input) {
   const Box& box = input.options.box;
   for (const Feature& f : input.features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     for (std::size_t i = 0; i < static_cast<std::size_t>(input.options.dimension); ++i) {
       if (f.position[i] >= box.lo[i] && f.position[i] <= box.hi[i]) continue;
       const std::string place = input.where(f.id);
@@ -140,7 +141,7 @@ std::optional<FeatureId> FarPoint(const Input& input) {
   for (std::size_t k = 0; k < 2; ++k) {
     std::vector<std::pair<double, FeatureId>> sorted;
     for (const Feature& f : input.features) {
-      if (f.kind == FeatureKind::kPoint) sorted.emplace_back(f.position[k], f.id);
+      if (IsPoint(f)) sorted.emplace_back(f.position[k], f.id);
     }
     if (sorted.size() < 4) return std::nullopt;
     std::sort(sorted.begin(), sorted.end());
@@ -159,15 +160,16 @@ std::optional<FeatureId> FarPoint(const Input& input) {
 absl::Status CheckWhatIsLeft(const ImportCommand& command, const Input& input,
                              const CleanResult& result) {
   const auto drawn = [](const std::vector<Feature>& features) {
-    return CountOf(features, FeatureKind::kPolygon) + CountOf(features, FeatureKind::kSegment);
+    return CountOf<ASegment, APolygon>(features, Not<APoint, ASize>);
   };
+  const bool has_polygons = CountOf<APolygon>(input.features, Not<APoint, ASegment, ASize>) != 0;
   constexpr std::size_t kMostNamed = 10;
   std::size_t dropped = 0;
   std::string places;
   for (const Change& change : result.changes) {
     const bool is_polygon = change.kind == ChangeKind::kPolygonDropped;
     if (!is_polygon && change.kind != ChangeKind::kZeroLength) continue;
-    if (!is_polygon && CountOf(input.features, FeatureKind::kPolygon) != 0) continue;
+    if (!is_polygon && has_polygons) continue;
     if (dropped++ >= kMostNamed) continue;
     const std::string where = input.where(change.ids.front());
     places += Concat(places.empty() ? "" : ", ", is_polygon ? "polygon " : "segment ",
@@ -186,7 +188,6 @@ absl::Status CheckWhatIsLeft(const ImportCommand& command, const Input& input,
     }
     return absl::InvalidArgumentError(message + "; nothing is written");
   }
-  const bool has_polygons = CountOf(input.features, FeatureKind::kPolygon) != 0;
   if (has_polygons && dropped != 0) {
     PrintWarning(Concat(dropped, " polygon(s) without an area left out: ", places));
   }
@@ -196,13 +197,13 @@ absl::Status CheckWhatIsLeft(const ImportCommand& command, const Input& input,
 // Features that the format of `path` cannot represent.
 absl::Status CheckKept(const std::string& path, const std::vector<Feature>& features) {
   const io::Format& format = *io::FindFormat(path);
-  const std::size_t polygons = CountOf(features, FeatureKind::kPolygon);
+  const std::size_t polygons = CountOf<APolygon>(features, Not<APoint, ASegment, ASize>);
   if (polygons != 0 && !format.Is(io::kKeepsPolygons)) {
     return absl::InvalidArgumentError(Concat("-o: ", path, ": a ", format.extension,
                                              " has no place for the ", polygons,
                                              " polygon(s); write a .dynmesh"));
   }
-  const std::size_t sizes = CountOf(features, FeatureKind::kSize);
+  const std::size_t sizes = CountOf<ASize>(features, Not<APoint, ASegment, APolygon>);
   if (sizes != 0 && !format.Is(io::kKeepsSizes)) {
     PrintWarning(
         Concat(path, ": ", sizes, " sizing feature(s) left out; a .dynmesh has place for them"));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/formats/mesh_output.h"
@@ -14,10 +15,6 @@
 namespace dynmesh::cli {
 
 using text::Concat;
-
-std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind) {
-  return static_cast<std::size_t>(std::ranges::count(features, kind, &Feature::kind));
-}
 
 absl::StatusOr<double> ToleranceOf(std::optional<double> given, const MeshOptions& options,
                                    double default_limits, double least_limits) {
@@ -52,12 +49,12 @@ std::string ChangeLine(const char* name, const std::vector<FeatureId>& ids,
 
 void ImportSummary::AddCounts(const std::vector<Feature>& before,
                               const std::vector<Feature>& after) {
-  constexpr std::pair<const char*, FeatureKind> kKinds[] = {{"points", FeatureKind::kPoint},
-                                                            {"segments", FeatureKind::kSegment},
-                                                            {"polygons", FeatureKind::kPolygon}};
-  for (const auto& [what, kind] : kKinds) {
-    counts_.push_back({what, CountOf(before, kind), CountOf(after, kind)});
-  }
+  const auto add = [&]<class View, class... Others>(const char* what, Kinds<Others...> others) {
+    counts_.push_back({what, CountOf<View>(before, others), CountOf<View>(after, others)});
+  };
+  add.operator()<APoint>("points", Not<ASegment, APolygon, ASize>);
+  add.operator()<ASegment>("segments", Not<APoint, APolygon, ASize>);
+  add.operator()<APolygon>("polygons", Not<APoint, ASegment, ASize>);
 }
 
 void ImportSummary::AddCleaning(std::vector<std::string> names, double tolerance, int rounds,

@@ -17,8 +17,6 @@
 
 namespace dynmesh::cli {
 
-std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind);
-
 // The tolerance of cleaning: `given`, or the default. Both limits are in units of the distance
 // below which a mesh with these options refuses features as too close. INVALID_ARGUMENT for bad
 // options, or a tolerance that is not finite or below the least one.

@@ -17,6 +17,7 @@
 #include "client/cli/json.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_output.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -98,7 +99,7 @@ absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature
   std::map<std::pair<std::int64_t, std::string>, std::uint32_t> numbers;
   numbers[{0, ""}] = 0;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     const auto next = static_cast<std::uint32_t>(numbers.size());
     groups[f.id] =
         numbers.try_emplace({labels.MarkerOf(f.id), labels.NameOf(f.id)}, next).first->second;
@@ -132,9 +133,11 @@ absl::Status Write(const SurfaceImport& command, const Input& input,
     if (count == 0 || format.Is(keeps)) return;
     PrintWarning(Concat(command.output, ": ", count, " ", what, " left out"));
   };
-  left_out(io::kKeepsSizes, CountOf(features, FeatureKind::kSize), "sizing feature(s)");
+  left_out(io::kKeepsSizes, CountOf<ASize>(features, Not<APoint, ASegment, APolygon>),
+           "sizing feature(s)");
   left_out(io::kKeepsNames, labels.names.size(), "name(s)");
-  left_out(io::kKeepsSegments, CountOf(features, FeatureKind::kSegment), "segment(s)");
+  left_out(io::kKeepsSegments, CountOf<ASegment>(features, Not<APoint, APolygon, ASize>),
+           "segment(s)");
   left_out(io::kKeepsMarkers, labels.markers.size(), "marker(s)");
   left_out(io::kKeepsSeeds, input.holes.size() + input.regions.size(),
            "position(s) of holes and regions");

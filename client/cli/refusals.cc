@@ -7,6 +7,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
 #include "client/cli/finest_gap.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -27,23 +28,20 @@ class Remaining {
   // Leaves out the blamed feature that fewest others need: the last one, not a point if there is
   // another. False if there is none.
   bool LeaveOut(const std::vector<FeatureId>& blamed) {
-    absl::flat_hash_map<FeatureId, FeatureKind> kind_of;
-    for (const Feature& f : features_) kind_of[f.id] = f.kind;
+    absl::flat_hash_map<FeatureId, bool> is_point;
+    for (const Feature& f : features_) is_point[f.id] = IsPoint(f);
     std::optional<FeatureId> victim;
     for (const FeatureId id : blamed) {
-      const auto kind = kind_of.find(id);
-      if (kind == kind_of.end()) continue;
-      if (!victim || kind->second != FeatureKind::kPoint ||
-          kind_of[*victim] == FeatureKind::kPoint) {
-        victim = id;
-      }
+      const auto known = is_point.find(id);
+      if (known == is_point.end()) continue;
+      if (!victim || !known->second || is_point[*victim]) victim = id;
     }
     if (!victim) return false;
     const auto names = [&](const Feature& f) {
       if (f.id == *victim) return true;
-      if (f.kind == FeatureKind::kSegment && std::ranges::count(f.ends, *victim) != 0) return true;
-      return std::ranges::any_of(
-          f.rings, [&](const auto& ring) { return std::ranges::count(ring, *victim) != 0; });
+      bool names_it = false;
+      ForEachPointOf(f, [&](FeatureId id) { names_it = names_it || id == *victim; });
+      return names_it;
     };
     std::erase_if(features_, names);
     return true;
@@ -73,8 +71,7 @@ Refusals Find(absl::Status status, const DynamicMesh& mesh, const std::vector<Fe
 }
 
 std::size_t CountPolygons(const std::vector<Feature>& features) {
-  return static_cast<std::size_t>(
-      std::ranges::count(features, FeatureKind::kPolygon, &Feature::kind));
+  return CountOf<APolygon>(features, Not<APoint, ASegment, ASize>);
 }
 
 // If that helps.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/common/text_reader.h"
 #include "core/io/formats/mesh_input.h"
@@ -45,7 +46,7 @@ class Sizes {
     if (!(h[0] > 0)) return Error("--size-of", flag, "the length must be above 0");
     for (const FeatureId id : *ids) {
       const Feature& f = *features_[id];
-      if (f.kind == FeatureKind::kPolygon && input_.options.dimension == 2) {
+      if (Is<APolygon>(f, Not<APoint, ASegment, ASize>) && input_.options.dimension == 2) {
         Add(Feature::SizePolygon(0, f.rings, h[0]), Concat("--size-of ", flag));
       } else {
         AddAround(f, 0, h[0], Concat("--size-of ", flag));
@@ -97,19 +98,24 @@ class Sizes {
 
   // A point, a segment, or the edges of a polygon, and all within `radius`.
   void AddAround(const Feature& f, double radius, double h, const std::string& place) {
-    if (f.kind == FeatureKind::kPoint) {
-      const SizeShape shape = radius > 0 ? SizeShape::kDisc : SizeShape::kPoint;
-      Add(Feature::Size(0, f.position, {shape, h, radius, {}}), place);
-    } else if (f.kind == FeatureKind::kSegment) {
-      Add(Feature::SizeCapsule(0, {At(f.ends[0]), At(f.ends[1])}, radius, h), place);
-    } else {
-      for (const std::vector<FeatureId>& ring : f.rings) {
-        Path path;
-        for (const FeatureId id : ring) path.push_back(At(id));
-        path.push_back(path.front());
-        Add(Feature::SizeCapsule(0, std::move(path), radius, h), place);
-      }
-    }
+    Visit(
+        f,
+        [&](const APoint& p) {
+          const SizeShape shape = radius > 0 ? SizeShape::kDisc : SizeShape::kPoint;
+          Add(Feature::Size(0, p.position, {shape, h, radius, {}}), place);
+        },
+        [&](const ASegment& s) {
+          Add(Feature::SizeCapsule(0, {At(s.ends[0]), At(s.ends[1])}, radius, h), place);
+        },
+        [&](const APolygon& p) {
+          for (const std::vector<FeatureId>& ring : p.rings) {
+            Path path;
+            for (const FeatureId id : ring) path.push_back(At(id));
+            path.push_back(path.front());
+            Add(Feature::SizeCapsule(0, std::move(path), radius, h), place);
+          }
+        },
+        Ignore<ASize>);  // Parse refuses these
   }
 
   // "IDS=V,V,...": ids of points, segments and polygons; `all` is every segment and polygon.
@@ -131,7 +137,7 @@ class Sizes {
     std::vector<FeatureId> ids;
     if (left == "all") {
       for (const auto& [id, f] : features_) {
-        if (f->kind == FeatureKind::kSegment || f->kind == FeatureKind::kPolygon) ids.push_back(id);
+        if (Is<ASegment, APolygon>(*f, Not<APoint, ASize>)) ids.push_back(id);
       }
       return ids;
     }
@@ -139,7 +145,8 @@ class Sizes {
       std::uint64_t id = 0;
       const bool is_number = io::ParseUint64(part, &id);
       const auto it = features_.find(id);
-      if (!is_number || it == features_.end() || it->second->kind == FeatureKind::kSize) {
+      if (!is_number || it == features_.end() ||
+          Is<ASize>(*it->second, Not<APoint, ASegment, APolygon>)) {
         return Error(name, flag, Concat("there is no point, segment or polygon ", Quoted(part)));
       }
       if (!HasPoints(*it->second)) {
@@ -151,10 +158,9 @@ class Sizes {
   }
 
   bool HasPoints(const Feature& f) const {
-    std::vector<FeatureId> points;
-    if (f.kind == FeatureKind::kSegment) points.assign(f.ends.begin(), f.ends.end());
-    for (const auto& ring : f.rings) points.insert(points.end(), ring.begin(), ring.end());
-    return std::ranges::all_of(points, [&](FeatureId id) { return features_.contains(id); });
+    bool has = true;
+    ForEachPointOf(f, [&](FeatureId id) { has = has && features_.contains(id); });
+    return has;
   }
 
   Input& input_;

@@ -16,6 +16,7 @@
 #include "client/cleaning/surface_polygons.h"
 #include "client/cleaning/tolerance_field.h"
 #include "client/cleaning/vectors3.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 
 namespace dynmesh::preparation {
@@ -33,7 +34,7 @@ constexpr std::size_t kPieces = 64, kPiecesOfTarget = 8;
 absl::flat_hash_map<FeatureId, Point3> PositionsOf(const std::vector<Feature>& features) {
   absl::flat_hash_map<FeatureId, Point3> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
+    if (IsPoint(f)) at[f.id] = f.position;
   }
   return at;
 }
@@ -52,8 +53,9 @@ std::vector<Edge> EdgesOf(const std::vector<Feature>& features) {
     if (edge[0] != edge[1]) edges.push_back(edge);
   };
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kSegment) add(f.ends[0], f.ends[1]);
-    if (f.kind == FeatureKind::kPolygon) ForEachEdgeOf(f.rings, add);
+    Visit(
+        f, [&](const ASegment& s) { add(s.ends[0], s.ends[1]); },
+        [&](const APolygon& p) { ForEachEdgeOf(p.rings, add); }, Ignore<APoint, ASize>);
   }
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -110,14 +112,14 @@ using cleaning::TriangleCorners;
 std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
   double size = 0;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     for (const double x : f.position) size = std::max(size, std::abs(x));
   }
   const cleaning::ToleranceField field(size > 0 ? size : 1);  // not used here
   cleaning::Surface surface(field);
   std::vector<std::pair<Point3, FeatureId>> points;  // nodes are in the order of coordinates there
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) points.emplace_back(f.position, f.id);
+    if (IsPoint(f)) points.emplace_back(f.position, f.id);
   }
   std::ranges::sort(points);
   absl::flat_hash_map<FeatureId, cleaning::Node> node_of;
@@ -128,7 +130,7 @@ std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
   }
   std::vector<TriangleCorners> triangles;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     std::vector<cleaning::NodeRing> rings;
     for (const std::vector<FeatureId>& ring : f.rings) {
       cleaning::NodeRing& nodes = rings.emplace_back();

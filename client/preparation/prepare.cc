@@ -17,6 +17,7 @@
 #include "client/cleaning/clean_surfaces.h"
 #include "client/preparation/default_limit.h"
 #include "client/preparation/farthest.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/base/rounding.h"
 #include "core/base/text.h"
@@ -59,7 +60,7 @@ constexpr std::uint64_t kVerticesOfGaps = 200'000, kVerticesOfGapsForFeature = 1
 bool MayBeRefused(const std::vector<Feature>& features, double distance) {
   std::vector<double> xs;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) return true;
+    if (!IsPoint(f)) return true;
     xs.push_back(f.position[0]);
   }
   std::ranges::sort(xs);
@@ -104,8 +105,8 @@ std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
   absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
   absl::flat_hash_map<FeatureId, cleaning::Point3> at;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (IsPoint(f)) at[f.id] = f.position;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
   }
   std::vector<OpenEdge> open;
@@ -147,12 +148,12 @@ std::size_t DropFlaps(const std::vector<FeatureId>& doubled, std::vector<Feature
   while (!may_go.empty()) {
     absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
     }
     const std::size_t flaps = std::erase_if(features, [&](const Feature& f) {
       bool is_flap = false;
-      if (f.kind != FeatureKind::kPolygon || !may_go.contains(f.id)) return is_flap;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>) || !may_go.contains(f.id)) return is_flap;
       ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
         is_flap = is_flap || faces_at.at(std::minmax(p, q)) == 1;
       });
@@ -164,12 +165,14 @@ std::size_t DropFlaps(const std::vector<FeatureId>& doubled, std::vector<Feature
   if (dropped == 0) return dropped;
   absl::flat_hash_set<FeatureId> used;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kSegment) used.insert(f.ends.begin(), f.ends.end());
-    for (const auto& ring : f.rings) used.insert(ring.begin(), ring.end());
+    Visit(
+        f, [&](const ASegment& s) { used.insert(s.ends.begin(), s.ends.end()); },
+        [&](const APolygon& p) {
+          for (const auto& ring : p.rings) used.insert(ring.begin(), ring.end());
+        },
+        Ignore<APoint, ASize>);
   }
-  std::erase_if(features, [&](const Feature& f) {
-    return f.kind == FeatureKind::kPoint && !used.contains(f.id);
-  });
+  std::erase_if(features, [&](const Feature& f) { return IsPoint(f) && !used.contains(f.id); });
   return dropped;
 }
 
@@ -192,9 +195,8 @@ void AddCount(const char* what, std::size_t count, Report& report) {
 // ---- one tolerance
 
 bool HasEdges(const std::vector<Feature>& features) {
-  return std::ranges::any_of(features, [](const Feature& f) {
-    return f.kind == FeatureKind::kSegment || f.kind == FeatureKind::kPolygon;
-  });
+  return std::ranges::any_of(
+      features, [](const Feature& f) { return Is<ASegment, APolygon>(f, Not<APoint, ASize>); });
 }
 
 // The geometry that a file has, as it is to be cleaned.
@@ -338,7 +340,7 @@ class Cleaner {
     for (const Feature& f : raw_.features) last = std::max(last, f.id);
     std::vector<std::pair<FeatureId, FeatureId>> parts;
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kSegment) continue;
+      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
       if (f.id <= last) {
         whole = f.id;
       } else {

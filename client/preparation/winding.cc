@@ -8,6 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/vectors3.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 
 namespace dynmesh::preparation {
@@ -30,7 +31,7 @@ Faces FacesOf(const std::vector<Feature>& features) {
   std::map<Point3, Corner> at;
   absl::flat_hash_map<FeatureId, Corner> corner_of;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     const auto [it, is_new] = at.emplace(f.position, static_cast<Corner>(faces.corners.size()));
     if (is_new) faces.corners.push_back(f.position);
     corner_of[f.id] = it->second;
@@ -38,7 +39,7 @@ Faces FacesOf(const std::vector<Feature>& features) {
   // Of each edge: how many faces go along it from its lesser corner, and from the other one.
   absl::flat_hash_map<std::pair<Corner, Corner>, std::array<int, 2>> uses;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
       const Corner a = corner_of.at(p), b = corner_of.at(q);
       if (a != b) ++uses[std::minmax(a, b)][a < b ? 0 : 1];

@@ -14,6 +14,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/flat_polygon.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -32,7 +33,7 @@ class FacetCheck {
         chains_(chains),
         tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points_.emplace(f.id, FlatPolygon::ToVector(f.position));
+      if (IsPoint(f)) points_.emplace(f.id, FlatPolygon::ToVector(f.position));
     }
     for (const auto& f : mesh.faces) {
       if (f.owner != kNoFeature && f.owner != kBoxFeature) faces_of_[f.owner].push_back(f.corners);
@@ -42,7 +43,7 @@ class FacetCheck {
   VerifyCheck Run() {
     std::set<FeatureId> polygons;
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       polygons.insert(f.id);
       CheckPolygon(f);
     }

@@ -14,6 +14,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -37,13 +38,13 @@ class InputCheck {
       if (e.owner != kNoFeature && e.owner != kBoxFeature) edges_of_[e.owner].push_back(e);
     }
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points_.emplace(f.id, &f);
+      if (IsPoint(f)) points_.emplace(f.id, &f);
     }
   }
 
   VerifyCheck Run() {
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint) CheckPoint(f);
+      if (IsPoint(f)) CheckPoint(f);
     }
     for (const Joint& joint : JointsOf(features_)) wanted_[joint.feature->id].push_back(joint);
     for (const auto& [owner, wanted] : wanted_) CheckOwner(owner, wanted);
@@ -113,7 +114,7 @@ class InputCheck {
   }
 
   static std::string NameOf(const Joint& joint) {
-    if (joint.feature->kind == FeatureKind::kSegment) {
+    if (Is<ASegment>(*joint.feature, Not<APoint, APolygon, ASize>)) {
       return Concat("input segment ", joint.feature->id);
     }
     return Concat("edge ", joint.from, " - ", joint.to, " of input polygon ", joint.feature->id);
@@ -219,8 +220,8 @@ std::vector<Joint> JointsOf(const std::vector<Feature>& features) {
   std::set<std::pair<FeatureId, FeatureId>> joined;
   std::vector<const Feature*> polygons;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPolygon) polygons.push_back(&f);
-    if (f.kind != FeatureKind::kSegment) continue;
+    if (Is<APolygon>(f, Not<APoint, ASegment, ASize>)) polygons.push_back(&f);
+    if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
     joined.insert(std::minmax(f.ends[0], f.ends[1]));
     joints.push_back({&f, f.ends[0], f.ends[1]});
   }

@@ -13,6 +13,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/flat_polygon.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -30,7 +31,7 @@ class OwnerSearch {
       return mesh.vertices[v].x < mesh.vertices[w].x;
     });
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points_.emplace(f.id, &f);
+      if (IsPoint(f)) points_.emplace(f.id, &f);
     }
   }
 
@@ -117,7 +118,7 @@ class OwnerSearch {
     absl::flat_hash_map<std::uint32_t, std::vector<io::IndexedMesh::Face*>> faces;  // by a corner
     for (auto& face : mesh_.faces) faces[face.corners[0]].push_back(&face);
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       std::vector<std::vector<Vector>> rings;
       std::vector<Vector> corners;
       for (const auto& ring : f.rings) {

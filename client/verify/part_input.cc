@@ -20,6 +20,7 @@
 #include "client/verify/containment.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -33,7 +34,7 @@ class PartInputCheck {
   PartInputCheck(const io::IndexedMesh& mesh, const std::vector<Feature>& features)
       : mesh_(mesh), features_(features), tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points_.emplace(f.id, &f);
+      if (IsPoint(f)) points_.emplace(f.id, &f);
     }
   }
 
@@ -78,8 +79,7 @@ class PartInputCheck {
     }
     std::vector<const Feature*> elsewhere;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint &&
-          !there.contains(PositionKeyOf(f.position, mesh_.dimension))) {
+      if (IsPoint(f) && !there.contains(PositionKeyOf(f.position, mesh_.dimension))) {
         elsewhere.push_back(&f);
       }
     }

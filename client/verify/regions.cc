@@ -13,6 +13,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -40,8 +41,8 @@ class PolygonIndex {
     absl::flat_hash_map<FeatureId, const Feature*> points;
     std::vector<const Feature*> polygons;
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kPoint) points.emplace(f.id, &f);
-      if (f.kind == FeatureKind::kPolygon) polygons.push_back(&f);
+      if (IsPoint(f)) points.emplace(f.id, &f);
+      if (Is<APolygon>(f, Not<APoint, ASegment, ASize>)) polygons.push_back(&f);
     }
     std::sort(polygons.begin(), polygons.end(),
               [](const Feature* f, const Feature* g) { return f->id < g->id; });

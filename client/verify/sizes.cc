@@ -13,6 +13,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -304,12 +305,12 @@ VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& 
   Findings findings("sizes");
   absl::flat_hash_map<FeatureId, const Feature*> points;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) points.emplace(f.id, &f);
+    if (IsPoint(f)) points.emplace(f.id, &f);
   }
   const std::vector<Candidate> candidates = CandidatesOf(mesh);
   const double ulp = LargestUlp(mesh);
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kSize) continue;
+    if (!Is<ASize>(f, Not<APoint, ASegment, APolygon>)) continue;
     const Region region(f, mesh.dimension, points);
     for (const Candidate& candidate : candidates) {
       const double most =

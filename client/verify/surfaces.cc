@@ -15,6 +15,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -52,7 +53,7 @@ class Components {
  public:
   Components(const std::vector<Feature>& features, const std::set<FeatureId>& apart) {
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPolygon || apart.contains(f.id)) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>) || apart.contains(f.id)) continue;
       for (const auto& ring : f.rings) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
           const Joint joint = std::minmax(ring[i], ring[(i + 1) % ring.size()]);

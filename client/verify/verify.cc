@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "client/verify/verify_internal.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::cli {
@@ -156,7 +157,9 @@ void CheckFeatures(const io::MeshFiles& files, const std::vector<Face>& faces,
   Chains chains;
   report.checks.push_back(is_whole ? CheckInput(mesh, features, &chains)
                                    : CheckPartInput(mesh, features, files.has_edges));
-  const auto is_size = [](const Feature& f) { return f.kind == FeatureKind::kSize; };
+  const auto is_size = [](const Feature& f) {
+    return Is<ASize>(f, Not<APoint, ASegment, APolygon>);
+  };
   if (std::ranges::any_of(features, is_size)) {
     report.checks.push_back(CheckSizes(mesh, features));
   }

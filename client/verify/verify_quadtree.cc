@@ -10,6 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/feature_kinds.h"
 #include "core/io/common/file_writer.h"
 #include "dynmesh/quality.h"
 
@@ -170,7 +171,7 @@ class Judge {
     };
     for (std::size_t i = 0; i < list_.leaves.size(); ++i) add(list_.leaves[i].centre, i);
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       if (const auto leaf = LeafAt(f.position)) {
         add(f.position, *leaf);
       } else {

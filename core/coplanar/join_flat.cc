@@ -8,6 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/feature_kinds.h"
 #include "core/coplanar/coplanar_regions.h"
 #include "core/coplanar/cut_face.h"
 #include "core/coplanar/facet_rings.h"
@@ -38,7 +39,7 @@ class FlatJoiner {
     const std::vector<Feature>& features = features_;
     for (std::size_t i = 0; i < features.size(); ++i) {
       last_ = std::max(last_, features[i].id);
-      if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
+      if (IsPoint(features[i])) points_.push_back(i);
     }
     std::sort(points_.begin(), points_.end(), [&](std::size_t a, std::size_t b) {
       return features[a].position < features[b].position;
@@ -51,7 +52,7 @@ class FlatJoiner {
     }
     named_before_.assign(positions_.size(), false);
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       CornerRing& ring = given_.emplace_back();
       for (const FeatureId id : f.rings.front()) {
         ring.push_back(corner_.at(id));
@@ -62,7 +63,7 @@ class FlatJoiner {
     is_exact_.assign(positions_.size(), false);
     kept_.corners.assign(positions_.size(), false);
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kSegment) continue;
+      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
       const Corner p = corner_.at(f.ends[0]), q = corner_.at(f.ends[1]);
       kept_.corners[p] = kept_.corners[q] = true;
       kept_.edges.push_back(std::minmax(p, q));
@@ -257,8 +258,8 @@ class FlatJoiner {
     }
     result_.features.clear();
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPolygon) continue;
-      if (f.kind != FeatureKind::kPoint) {
+      if (Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
+      if (Is<ASegment, ASize>(f, Not<APoint, APolygon>)) {
         result_.features.push_back(f);
         continue;
       }
@@ -307,11 +308,14 @@ class FlatJoiner {
       changed.insert(IdOfOutput(i));
     }
     for (const Feature& f : result_.features) {
-      if (f.kind == FeatureKind::kPoint && IsMoved(corner_.at(f.id))) changed.insert(f.id);
-      if (f.kind == FeatureKind::kSegment &&
-          (IsMoved(corner_.at(f.ends[0])) || IsMoved(corner_.at(f.ends[1])))) {
-        changed.insert(f.id);
-      }
+      const bool is_moved = Visit(
+          f, [&](const APoint& p) { return IsMoved(corner_.at(p.id)); },
+          [&](const ASegment& s) {
+            return IsMoved(corner_.at(s.ends[0])) || IsMoved(corner_.at(s.ends[1]));
+          },
+          // Those that have changed are known by now; sizes stay.
+          [](const APolygon&) { return false; }, [](const ASize&) { return false; });
+      if (is_moved) changed.insert(f.id);
     }
     if (changed.empty()) return false;
     absl::flat_hash_set<FeatureId> blamed;
@@ -328,18 +332,21 @@ class FlatJoiner {
     bool any = false;
     for (const Feature& f : result_.features) {
       if (!blamed.contains(f.id)) continue;
-      if (f.kind == FeatureKind::kPoint) corner_stays[corner_.at(f.id)] = true;
-      if (f.kind == FeatureKind::kSegment) {
-        for (const FeatureId end : f.ends) corner_stays[corner_.at(end)] = true;
-      }
-      if (f.kind != FeatureKind::kPolygon) continue;
-      const std::size_t i = output_of.at(f.id);
-      stays[i] = true;
-      for (const CornerRing& ring : out_[i]) {
-        for (const Corner c : ring) {
-          if (!IsPatch(i)) corner_stays[c] = true;
-        }
-      }
+      Visit(
+          f, [&](const APoint& p) { corner_stays[corner_.at(p.id)] = true; },
+          [&](const ASegment& s) {
+            for (const FeatureId end : s.ends) corner_stays[corner_.at(end)] = true;
+          },
+          [&](const APolygon& p) {
+            const std::size_t i = output_of.at(p.id);
+            stays[i] = true;
+            for (const CornerRing& ring : out_[i]) {
+              for (const Corner c : ring) {
+                if (!IsPatch(i)) corner_stays[c] = true;
+              }
+            }
+          },
+          Ignore<ASize>);
     }
     for (std::size_t i = 0; i < out_.size(); ++i) {
       for (const CornerRing& ring : out_[i]) {
@@ -384,7 +391,7 @@ class FlatJoiner {
       ++result_.polygons;
     }
     for (const Feature& f : result_.features) {
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       const Corner c = corner_.at(f.id);
       const double distance2 = geometry::SquaredDistance(moved_[c], positions_[c]);
       if (distance2 == 0) continue;
@@ -425,12 +432,12 @@ bool IsNothingToDo(const std::vector<Feature>& features, const JoinOptions& opti
   std::vector<Point3> positions;
   std::vector<CornerRing> faces;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     corner.emplace(f.id, static_cast<Corner>(positions.size()));
     positions.push_back({f.position});
   }
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     if (f.rings.front().size() > 3) return false;
     CornerRing& ring = faces.emplace_back();
     for (const FeatureId id : f.rings.front()) ring.push_back(corner.at(id));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/base/text.h"
 #include "core/coplanar/coplanar_regions.h"
@@ -34,7 +35,7 @@ class Merger {
  public:
   explicit Merger(const std::vector<Feature>& features) : features_(features) {
     for (std::size_t i = 0; i < features.size(); ++i) {
-      if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
+      if (IsPoint(features[i])) points_.push_back(i);
     }
     std::sort(points_.begin(), points_.end(), [&](std::size_t a, std::size_t b) {
       const Point3 p = {features[a].position}, q = {features[b].position};
@@ -48,7 +49,7 @@ class Merger {
 
   absl::Status ReadFaces() {
     for (std::size_t i = 0; i < features_.size(); ++i) {
-      if (features_[i].kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(features_[i], Not<APoint, ASegment, ASize>)) continue;
       absl::StatusOr<FaceRings> rings = RingsOf(features_[i]);
       if (!rings.ok()) return rings.status();
       polygons_.push_back(i);
@@ -82,15 +83,18 @@ class Merger {
     std::vector<Feature> result;
     std::size_t face = 0;
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kPoint) {
-        const Corner c = corner_.at(f.id);
-        if (!named_before_[c] || named[c] || named_else_[c]) result.push_back(f);
-      } else if (f.kind == FeatureKind::kPolygon) {
-        const FaceRings& rings = faces_[face++];
-        if (!rings.empty()) result.push_back(Feature::Polygon(f.id, IdsOf(rings)));
-      } else {
-        result.push_back(f);
-      }
+      Visit(
+          f,
+          [&](const APoint& p) {
+            const Corner c = corner_.at(p.id);
+            if (!named_before_[c] || named[c] || named_else_[c]) result.push_back(f);
+          },
+          [&](const APolygon& p) {
+            const FaceRings& rings = faces_[face++];
+            if (!rings.empty()) result.push_back(Feature::Polygon(p.id, IdsOf(rings)));
+          },
+          [&](const ASegment&) { result.push_back(f); },
+          [&](const ASize&) { result.push_back(f); });
     }
     return result;
   }
@@ -142,16 +146,20 @@ class Merger {
       return it;
     };
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) {
-        const auto p = name(f.ends[0]), q = name(f.ends[1]);
-        if (p != corner_.end() && q != corner_.end()) {
-          kept.edges.push_back(std::minmax(p->second, q->second));
-        }
-      }
-      if (f.kind != FeatureKind::kSize) continue;
-      for (const std::vector<FeatureId>& ring : f.rings) {
-        for (const FeatureId id : ring) name(id);
-      }
+      Visit(
+          f,
+          [&](const ASegment& s) {
+            const auto p = name(s.ends[0]), q = name(s.ends[1]);
+            if (p != corner_.end() && q != corner_.end()) {
+              kept.edges.push_back(std::minmax(p->second, q->second));
+            }
+          },
+          [&](const ASize& s) {
+            for (const std::vector<FeatureId>& ring : s.rings) {
+              for (const FeatureId id : ring) name(id);
+            }
+          },
+          Ignore<APoint, APolygon>);
     }
     std::sort(kept.edges.begin(), kept.edges.end());
     return kept;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "core/base/feature_kinds.h"
 #include "core/delaunay/delaunay_insert_order.h"
 #include "core/meshing/polygon_area.h"
 #include "core/meshing/polyline.h"
@@ -42,6 +43,9 @@ meshing::SizingRegion<D> RegionOf(const plc::SizeFeature<D>& f) {
 }
 
 }  // namespace
+
+// What a mesher is told of (InputSink); polygons are segments and facets to it.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 // --- Changes --------------------------------------------------------------------------
 

@@ -95,7 +95,7 @@ template <int D>
 void LiveFeatures<D>::TakeBack(std::size_t revisions) {
   for (std::size_t i = 0; i < revisions; ++i) {
     const Revocable& last = revocable_.back();
-    plc().Commit(last.delta.Inverse());  // first: Undo may rebuild the present features
+    plc().Apply(last.delta.Inverse());  // first: Undo may rebuild the present features
     Undo(last.delta);
     labels_.Undo(last.labels);
     revocable_.pop_back();

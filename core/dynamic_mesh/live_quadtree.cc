@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/stopwatch.h"
@@ -89,6 +90,9 @@ absl::Status LiveQuadtree<D>::StatusOfIds() const {
   return clash.has_value() ? IdCollisionError(*clash) : absl::OkStatus();
 }
 
+// What a quadtree is told of (ShapeTable).
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
+
 template <int D>
 absl::StatusOr<MeshDiff> LiveQuadtree<D>::Run(const plc::Delta<D>& delta,
                                               const typename LiveFeatures<D>::Batch& batch,
@@ -122,7 +126,7 @@ absl::StatusOr<MeshDiff> LiveQuadtree<D>::Run(const plc::Delta<D>& delta,
   diff.work.diff_microseconds = watch.microseconds();
   batch.meter.End();
   if (absl::Status status = commit(diff); !status.ok()) return refuse(std::move(status));
-  plc_.Commit(delta);
+  plc_.Apply(delta);
   return diff;
 }
 

@@ -229,7 +229,7 @@ class TraceRun {
     state_->refinement.DetachTriangulation();
     state_->diffs.Begin(state_->refinement, state_->features);
     state_->features.Collect();
-    plc_.Commit(*first);
+    plc_.Apply(*first);
 
     const auto last = plc_.Check(plc::Edits(batch), nullptr, never);
     if (!last.ok()) return last.status();

@@ -135,7 +135,7 @@ typename Transaction<D>::Outcome Transaction<D>::RunFromScratch() {
 template <int D>
 void Transaction<D>::Accept() {
   if (built_ != nullptr) mesh_.state = std::move(built_);
-  mesh_.plc.Commit(delta_);
+  mesh_.plc.Apply(delta_);
 }
 
 template <int D>

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/plc/batch_check.h"
 #include "core/plc/messages.h"
@@ -60,6 +61,9 @@ template <int D>
 void BatchCheck<D>::Schedule(const Event& event) {
   if (event.edit < draft_.error_edit()) events_.push_back(event);
 }
+
+// Each kind is collected on its own.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 // The part of `entry` that is or was a point. Other kinds are collected later.
 template <int D>
@@ -353,11 +357,19 @@ template <int D>
 absl::Status BatchCheck<D>::UnknownEnd(FeatureId feature, EditIndex edit) const {
   const typename Draft<D>::Entry& entry = *draft_.Find(feature);
   std::vector<FeatureId> points;
-  if (entry.state == DraftState::kSegment) {
-    points = {entry.ends[0], entry.ends[1]};
-  } else {
-    points = PointsOf(entry.state == DraftState::kPolygon ? draft_.PolygonOf(entry).rings
-                                                          : draft_.SizeFeatureOf(entry).rings);
+  switch (entry.state) {
+    case DraftState::kSegment:
+      points = {entry.ends[0], entry.ends[1]};
+      break;
+    case DraftState::kPolygon:
+      points = PointsOf(draft_.PolygonOf(entry).rings);
+      break;
+    case DraftState::kSize:
+      points = PointsOf(draft_.SizeFeatureOf(entry).rings);
+      break;
+    case DraftState::kPoint:
+    case DraftState::kAbsent:
+      break;  // name no points
   }
   std::erase_if(points, [&](FeatureId point) {
     return draft_.FindPoint(point) != nullptr || draft_.BlameOf(point) > edit;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/plc/delta.h"
 #include "core/plc/facet.h"
@@ -31,7 +32,7 @@ class ConflictFinder {
         found_(found),
         index_(CellGrid<3>(options.box, limit_)) {
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       std::copy_n(f.position.begin(), 3, position_[f.id].c.begin());
     }
     // What is far from all that is looked at does not matter.
@@ -42,18 +43,22 @@ class ConflictFinder {
     }
     MarkedCells cells(lo, hi, features.size());
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kSize || !is_looked_at(f.id)) continue;
+      if (Is<ASize>(f, Not<APoint, ASegment, APolygon>) || !is_looked_at(f.id)) continue;
       const auto [from, to] = BoxOf(f);
       cells.Mark(from, to);
     }
     cells.Finish();
     for (const Feature& f : features) {
-      if (f.kind == FeatureKind::kSize) continue;
+      if (Is<ASize>(f, Not<APoint, ASegment, APolygon>)) continue;
       const auto [from, to] = BoxOf(f);
       if (!cells.Meets(from, to)) continue;
-      if (f.kind == FeatureKind::kPoint) points_.push_back({f.id, position_.at(f.id)});
-      if (f.kind == FeatureKind::kSegment) AddSegment(f);
-      if (f.kind == FeatureKind::kPolygon) AddPolygon(f);
+      Visit(
+          f,
+          [&](const APoint& p) {
+            points_.push_back({p.id, position_.at(p.id)});
+          },
+          [&](const ASegment&) { AddSegment(f); }, [&](const APolygon&) { AddPolygon(f); },
+          Ignore<ASize>);
     }
   }
 
@@ -104,15 +109,17 @@ class ConflictFinder {
         box.second.c[k] = std::max(box.second.c[k], p.c[k]);
       }
     };
-    if (f.kind == FeatureKind::kPoint) add(f.id);
-    if (f.kind == FeatureKind::kSegment) {
-      for (const FeatureId id : f.ends) add(id);
-    }
-    if (f.kind == FeatureKind::kPolygon) {
-      for (const auto& ring : f.rings) {
-        for (const FeatureId id : ring) add(id);
-      }
-    }
+    Visit(
+        f, [&](const APoint& p) { add(p.id); },
+        [&](const ASegment& s) {
+          for (const FeatureId id : s.ends) add(id);
+        },
+        [&](const APolygon& p) {
+          for (const auto& ring : p.rings) {
+            for (const FeatureId id : ring) add(id);
+          }
+        },
+        Ignore<ASize>);
     return box;
   }
 

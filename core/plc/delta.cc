@@ -4,7 +4,13 @@
 #include <cstddef>
 #include <tuple>
 
+#include "core/base/feature_kinds.h"
+
 namespace dynmesh::plc {
+
+// A delta has lists of each, and of facets. The functions here go through all of them.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
+
 namespace {
 
 struct ById {

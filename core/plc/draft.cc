@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/size_shapes.h"
 #include "core/plc/labels.h"
 #include "core/plc/text.h"
@@ -28,9 +29,27 @@ const char* NameOf(State state) {
       return "segment";
     case State::kPolygon:
       return "polygon";
-    default:
+    case State::kSize:
       return "sizing feature";
+    case State::kAbsent:
+      break;
   }
+  return "feature";
+}
+
+// What to do instead of moving it.
+std::string InsteadOfMove(State state, const std::array<FeatureId, 2>& ends) {
+  switch (state) {
+    case State::kSegment:
+      return absl::StrCat("move points ", ends[0], " and ", ends[1], " instead");
+    case State::kPolygon:
+      return "move its points instead";
+    case State::kSize:
+    case State::kPoint:
+    case State::kAbsent:
+      break;
+  }
+  return "set it anew where it is to be";
 }
 
 absl::Status CheckId(FeatureId id, EditIndex edit) {
@@ -184,23 +203,27 @@ const typename Draft<D>::Entry* Draft<D>::Find(FeatureId id) const {
 template <int D>
 bool Draft<D>::IsAsBefore(const Entry& entry) const {
   if (entry.edit >= error_edit_) return false;
-  if (entry.state == State::kPoint) {
-    const PointRecord<D>* was = base_.FindPoint(entry.id);
-    return was != nullptr && was->p == entry.p;
-  }
-  if (entry.state == State::kSegment) {
-    const SegmentRecord* was = base_.FindSegment(entry.id);
-    return was != nullptr && was->ends == entry.ends;
-  }
-  if (entry.state == State::kSize) {
-    const SizeFeature<D>* was = base_.FindSize(entry.id);
-    if (was == nullptr || entry.given == nullptr) return was != nullptr;
-    const SizeFeature<D> now = SizeOf<D>(*entry.given);
-    return was->at == now.at && was->sizing == now.sizing && was->rings == now.rings;
-  }
-  if (entry.state == State::kPolygon) {
-    const Rings* was = base_.FindPolygon(entry.id);
-    return was != nullptr && (entry.given == nullptr || *was == entry.given->rings);
+  switch (entry.state) {
+    case State::kPoint: {
+      const PointRecord<D>* was = base_.FindPoint(entry.id);
+      return was != nullptr && was->p == entry.p;
+    }
+    case State::kSegment: {
+      const SegmentRecord* was = base_.FindSegment(entry.id);
+      return was != nullptr && was->ends == entry.ends;
+    }
+    case State::kSize: {
+      const SizeFeature<D>* was = base_.FindSize(entry.id);
+      if (was == nullptr || entry.given == nullptr) return was != nullptr;
+      const SizeFeature<D> now = SizeOf<D>(*entry.given);
+      return was->at == now.at && was->sizing == now.sizing && was->rings == now.rings;
+    }
+    case State::kPolygon: {
+      const Rings* was = base_.FindPolygon(entry.id);
+      return was != nullptr && (entry.given == nullptr || *was == entry.given->rings);
+    }
+    case State::kAbsent:
+      break;
   }
   return false;
 }
@@ -229,6 +252,9 @@ const geometry::Point<D>* Draft<D>::FindPoint(FeatureId id) const {
   const PointRecord<D>* record = base_.FindPoint(id);
   return record == nullptr ? nullptr : &record->p;
 }
+
+// Touch asks for each.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 template <int D>
 typename Draft<D>::Entry& Draft<D>::Touch(FeatureId id, EditIndex edit) {
@@ -282,11 +308,7 @@ absl::Status Draft<D>::Act(Edit::Action action, const Feature& feature, Entry& e
         return Refuse(
             absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
             absl::StrCat("cannot move feature ", entry.id, ": it is a ", NameOf(entry.state), "; ",
-                         entry.state == State::kSegment
-                             ? absl::StrCat("move points ", entry.ends[0], " and ", entry.ends[1],
-                                            " instead")
-                         : entry.state == State::kPolygon ? "move its points instead"
-                                                          : "set it anew where it is to be"));
+                         InsteadOfMove(entry.state, entry.ends)));
       }
       entry.p = PointOf<D>(feature);
       return absl::OkStatus();

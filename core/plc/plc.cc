@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/feature_kinds.h"
 #include "core/plc/batch_check.h"
 
 namespace dynmesh::plc {
@@ -25,7 +26,7 @@ absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
 }
 
 template <int D>
-void Plc<D>::Commit(const Delta<D>& delta) {
+void Plc<D>::Apply(const Delta<D>& delta) {
   for (const SegmentFeature<D>& f : delta.removed_segments) index_->EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
   if constexpr (D == 3) {
@@ -43,6 +44,9 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   most_ = std::max(most_, size());
   if (most_ > kFew && size() <= most_ / 4) GiveMemoryBack();
 }
+
+// Here and below each kind has its lists.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 // Inserts what the delta adds.
 template <int D>

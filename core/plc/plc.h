@@ -1,7 +1,7 @@
 // The piecewise linear complex: the features of a 2D or 3D mesh, by id and without labels
 // (labels.h), and the rules of legal input.
 //
-// Invariants, after every Commit of a Delta that Check returned:
+// Invariants, after every Apply of a Delta that Check returned:
 //   0. sizing features are legal by themselves (messages.h, CheckSize);
 //   1. every point is finite, in the user's closed box, its coordinates 0 or of magnitude at least
 //      2^-200, never -0;
@@ -18,7 +18,7 @@
 // The acceptance of a batch, its Delta and its error are functions of the feature set and the
 // batch, never of history.
 //
-// Thread-compatible: Commit excludes all other calls; const members may run concurrently.
+// Thread-compatible: Apply excludes all other calls; const members may run concurrently.
 #ifndef DYNMESH_CORE_PLC_PLC_H_
 #define DYNMESH_CORE_PLC_PLC_H_
 
@@ -79,7 +79,7 @@ class Plc {
   // Applies a change. REQUIRES: `delta` is Check's for the features present, or the inverse of the
   // last one. O(delta) insertions and removals in the index, amortised: once three of four features
   // are removed, all structures are rebuilt to free memory.
-  void Commit(const Delta<D>& delta);
+  void Apply(const Delta<D>& delta);
 
   // All features, sorted by id; unused members are 0. O(n lg n).
   std::vector<Feature> Features() const;

@@ -10,6 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/geometry/segment_distance.h"
 #include "dynmesh/quality.h"
@@ -33,7 +34,7 @@ std::vector<FeatureId> Common(const std::vector<FeatureId>& a, const std::vector
 LocalFeatureSize::LocalFeatureSize(std::span<const Feature> features, int dimension) {
   absl::flat_hash_map<FeatureId, Point3> points;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     const Point3 p{{f.position[0], f.position[1], dimension == 3 ? f.position[2] : 0}};
     points[f.id] = p;
     AddSegment(p, p, {f.id});
@@ -46,8 +47,8 @@ LocalFeatureSize::LocalFeatureSize(std::span<const Feature> features, int dimens
     AddSegment(points.at(a), points.at(b), {lesser, greater});
   };
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kSegment) add_segment(f.ends[0], f.ends[1]);
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (Is<ASegment>(f, Not<APoint, APolygon, ASize>)) add_segment(f.ends[0], f.ends[1]);
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     const bool is_known = std::ranges::all_of(f.rings, [&](const std::vector<FeatureId>& ring) {
       return !ring.empty() &&
              std::ranges::all_of(ring, [&](FeatureId id) { return points.contains(id); });

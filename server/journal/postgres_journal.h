@@ -78,9 +78,9 @@ class PostgresJournal final : public Journal, public SharedJournal, public MeshI
   absl::StatusOr<std::vector<Key>> Renew(const std::string& address) override;
   absl::Status GiveUp() override;
   absl::StatusOr<std::vector<std::string>> LiveNodes() override;
-  absl::StatusOr<Place> Locate(const std::string& id) override;
-  absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
-                                               std::size_t limit) override;
+  absl::StatusOr<Located> Locate(const std::string& id) override;
+  absl::StatusOr<std::vector<Located>> LocateAll(const std::string& after,
+                                                 std::size_t limit) override;
   std::int64_t EpochOf(Key mesh) override;
   absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>& positions) override;
   absl::Status AskToFollow(const std::vector<Wish>& wishes) override;

@@ -63,7 +63,7 @@ SELECT convert_to(m.owner, 'UTF8'), convert_to(coalesce(n.address, ''), 'UTF8'),
   CASE WHEN m.lease_until = '-infinity' THEN 0
     ELSE (extract(epoch FROM m.lease_until - clock_timestamp()) * 1000000)::bigint END
 FROM dynmesh.meshes AS m LEFT JOIN dynmesh.nodes AS n ON n.id = m.owner WHERE m.key = $1::bigint)";
-// The columns of a place. Parameter 1: the node that asks. `followers`: the last column.
+// The columns of a Located. Parameter 1: the node that asks. `followers`: the last column.
 #define DYNMESH_PLACES(followers)                                                   \
   "SELECT m.key, convert_to(m.id, 'UTF8'), m.description, m.checksum, m.head, "     \
   "head - snapshot + (snapshot > 0)::integer, (m.owner = $1::text)::integer, "      \
@@ -128,9 +128,9 @@ WITH gone AS (DELETE FROM dynmesh.nodes WHERE id = $1::text),
 unfollowed AS (DELETE FROM dynmesh.followers WHERE node = $1::text)
 UPDATE dynmesh.meshes SET lease_until = '-infinity' WHERE owner = $1::text)";
 
-SharedJournal::Place PlaceOf(const Answer& answer, std::size_t row) {
-  SharedJournal::Place place;
-  Journal::Mesh& mesh = place.mesh;
+SharedJournal::Located LocatedOf(const Answer& answer, std::size_t row) {
+  SharedJournal::Located located;
+  Journal::Mesh& mesh = located.mesh;
   mesh.key = answer.Integer(row, 0);
   mesh.id = answer.Bytes(row, 1);
   mesh.description = answer.Bytes(row, 2);
@@ -139,13 +139,13 @@ SharedJournal::Place PlaceOf(const Answer& answer, std::size_t row) {
       answer.Integer(row, 3)) {
     mesh.damage = ReadingErrors(mesh.id).Damaged("the description");
   }
-  place.revision = static_cast<std::uint64_t>(answer.Integer(row, 4));
-  place.is_mine = answer.Integer(row, 6) != 0;
-  place.address = answer.Bytes(row, 7);
-  place.epoch = answer.Integer(row, 8);
-  place.left = absl::Microseconds(answer.Integer(row, 9));
-  place.followers = absl::StrSplit(answer.Bytes(row, 10), ' ', absl::SkipEmpty());
-  return place;
+  located.revision = static_cast<std::uint64_t>(answer.Integer(row, 4));
+  located.is_mine = answer.Integer(row, 6) != 0;
+  located.address = answer.Bytes(row, 7);
+  located.epoch = answer.Integer(row, 8);
+  located.left = absl::Microseconds(answer.Integer(row, 9));
+  located.followers = absl::StrSplit(answer.Bytes(row, 10), ' ', absl::SkipEmpty());
+  return located;
 }
 
 absl::Status Add(Session& session) {
@@ -227,25 +227,25 @@ FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node
   return claim;
 }
 
-absl::StatusOr<SharedJournal::Place> LocateMesh(Session& session, const std::string& id,
-                                                const std::string& node, absl::Duration ttl) {
+absl::StatusOr<SharedJournal::Located> LocateMesh(Session& session, const std::string& id,
+                                                  const std::string& node, absl::Duration ttl) {
   const Answer answer =
       session.Run(kLocate, node, id, std::int64_t{absl::ToInt64Microseconds(ttl)});
   if (!answer.status.ok()) return answer.status;
   if (answer.empty()) return NoSuchMesh();
-  return PlaceOf(answer, 0);
+  return LocatedOf(answer, 0);
 }
 
-absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
-                                                               const std::string& after,
-                                                               std::size_t limit,
-                                                               const std::string& node) {
+absl::StatusOr<std::vector<SharedJournal::Located>> LocateMeshes(Session& session,
+                                                                 const std::string& after,
+                                                                 std::size_t limit,
+                                                                 const std::string& node) {
   const Answer answer =
       session.Run(kLocateAll, node, after, std::int64_t{static_cast<std::int64_t>(limit)});
   if (!answer.status.ok()) return answer.status;
-  std::vector<SharedJournal::Place> places;
-  for (std::size_t row = 0; row < answer.size(); ++row) places.push_back(PlaceOf(answer, row));
-  return places;
+  std::vector<SharedJournal::Located> all;
+  for (std::size_t row = 0; row < answer.size(); ++row) all.push_back(LocatedOf(answer, row));
+  return all;
 }
 
 absl::Status AskToFollow(Session& session, const std::vector<SharedJournal::Wish>& wishes,

@@ -71,13 +71,13 @@ FreeClaim ClaimFree(Session& session, std::int64_t mesh, const std::string& node
 
 // The mesh `id` as `node` sees it. NOT_FOUND for one that does not exist. Of the nodes that follow
 // it those are told that renewed within the last `ttl`.
-absl::StatusOr<SharedJournal::Place> LocateMesh(Session& session, const std::string& id,
-                                                const std::string& node, absl::Duration ttl);
+absl::StatusOr<SharedJournal::Located> LocateMesh(Session& session, const std::string& id,
+                                                  const std::string& node, absl::Duration ttl);
 // At most `limit` meshes with ids > `after`, by id.
-absl::StatusOr<std::vector<SharedJournal::Place>> LocateMeshes(Session& session,
-                                                               const std::string& after,
-                                                               std::size_t limit,
-                                                               const std::string& node);
+absl::StatusOr<std::vector<SharedJournal::Located>> LocateMeshes(Session& session,
+                                                                 const std::string& after,
+                                                                 std::size_t limit,
+                                                                 const std::string& node);
 
 // As SharedJournal's.
 absl::Status AskToFollow(Session& session, const std::vector<SharedJournal::Wish>& wishes,

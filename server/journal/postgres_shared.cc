@@ -44,13 +44,13 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::LiveNodes() {
   return addresses;
 }
 
-absl::StatusOr<SharedJournal::Place> PostgresJournal::Locate(const std::string& id) {
+absl::StatusOr<SharedJournal::Located> PostgresJournal::Locate(const std::string& id) {
   absl::StatusOr<Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();
   return postgres::LocateMesh(**session, id, owner_, options_.lease);
 }
 
-absl::StatusOr<std::vector<SharedJournal::Place>> PostgresJournal::LocateAll(
+absl::StatusOr<std::vector<SharedJournal::Located>> PostgresJournal::LocateAll(
     const std::string& after, std::size_t limit) {
   absl::StatusOr<Loan> session = readers_.Take(Patience());
   if (!session.ok()) return session.status();

@@ -21,7 +21,7 @@ namespace dynmesh::server {
 class SharedJournal {
  public:
   // A mesh as it is in the journal, and its owner.
-  struct Place {
+  struct Located {
     Journal::Mesh mesh;
     std::uint64_t revision = 0;
     bool is_mine = false;  // this node claimed it last
@@ -45,7 +45,7 @@ class SharedJournal {
     std::int64_t answers = 0;    // of the last of `requests`, or of the mesh
     std::uint64_t snapshot = 0;  // revision of the newest snapshot
     std::uint64_t snapshot_bytes = 0;
-    bool is_mine = false, is_free = false;  // as of Place; free: any node may claim it
+    bool is_mine = false, is_free = false;  // as of Located; free: any node may claim it
     std::string address;
     std::int64_t epoch = 0;
     std::vector<Journal::Entry> entries;  // the next ones; not all if they are many
@@ -66,10 +66,10 @@ class SharedJournal {
   // The addresses of the nodes that renewed within a lease.
   virtual absl::StatusOr<std::vector<std::string>> LiveNodes() = 0;
   // NOT_FOUND if there is no such mesh.
-  virtual absl::StatusOr<Place> Locate(const std::string& id) = 0;
+  virtual absl::StatusOr<Located> Locate(const std::string& id) = 0;
   // At most `limit` meshes with ids > `after`, by id.
-  virtual absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
-                                                       std::size_t limit) = 0;
+  virtual absl::StatusOr<std::vector<Located>> LocateAll(const std::string& after,
+                                                         std::size_t limit) = 0;
   // The epoch in which this node has the mesh; 0: it has not.
   virtual std::int64_t EpochOf(Journal::Key mesh) = 0;
 

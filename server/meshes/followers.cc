@@ -130,17 +130,17 @@ absl::Status Followers::CheckRoomLocked(const Follower& follower) const {
 }
 
 absl::Status Followers::LookUp(const FollowerPtr& follower, bool* is_free) {
-  const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(follower->id);
-  if (absl::IsNotFound(place.status())) {
+  const absl::StatusOr<SharedJournal::Located> located = journal_->Locate(follower->id);
+  if (absl::IsNotFound(located.status())) {
     return MeshNotFoundError(follower->id);
   }
-  if (!place.ok()) return JournalReadError(place.status(), follower->id);
-  *is_free = place->is_mine || place->left <= absl::ZeroDuration();
+  if (!located.ok()) return JournalReadError(located.status(), follower->id);
+  *is_free = located->is_mine || located->left <= absl::ZeroDuration();
   if (*is_free) return absl::OkStatus();
-  const MeshOwner owner{place->address, place->epoch};
+  const MeshOwner owner{located->address, located->epoch};
   absl::Status room = calls_.check_room == nullptr ? absl::OkStatus() : calls_.check_room();
   const MutexLock lock(mutex_);
-  follower->mesh = place->mesh;
+  follower->mesh = located->mesh;
   follower->owner = owner;
   if (room.ok()) room = CheckRoomLocked(*follower);
   return room.ok() ? room : NotOwnerError(follower->id, owner);

@@ -28,10 +28,10 @@ struct Given {
 absl::StatusOr<MeshOwner> Give(SharedJournal* journal, const std::string& address,
                                const std::vector<std::string>& nodes, const std::string& id,
                                Journal::Key key) {
-  absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
-  if (!place.ok()) return place.status();
-  std::erase(place->followers, address);
-  const std::vector<std::string>& choice = place->followers.empty() ? nodes : place->followers;
+  absl::StatusOr<SharedJournal::Located> located = journal->Locate(id);
+  if (!located.ok()) return located.status();
+  std::erase(located->followers, address);
+  const std::vector<std::string>& choice = located->followers.empty() ? nodes : located->followers;
   const std::string& next = choice[*ChooseNode(choice, id)];
   const absl::StatusOr<std::int64_t> epoch = journal->HandOver(key, next);
   if (!epoch.ok()) return epoch.status();
@@ -43,8 +43,8 @@ void WaitForClaim(SharedJournal* journal, const std::string& id, std::int64_t ep
                   Clock::time_point end) {
   while (Clock::now() < end) {
     std::this_thread::sleep_for(kLook);
-    const absl::StatusOr<SharedJournal::Place> place = journal->Locate(id);
-    if (!place.ok() || place->epoch > epoch) return;
+    const absl::StatusOr<SharedJournal::Located> located = journal->Locate(id);
+    if (!located.ok() || located->epoch > epoch) return;
   }
 }
 

@@ -12,15 +12,15 @@ namespace dynmesh::server {
 
 void MeshHost::Follow(SharedJournal::Tail tail, std::function<void(absl::Status)> done) {
   auto shared = std::make_shared<const SharedJournal::Tail>(std::move(tail));
-  queue_->Post([self = shared_from_this(), shared, done = std::move(done)] {
-    self->strand_.AssertHeld();
+  strand_->Post([self = shared_from_this(), shared, done = std::move(done)] {
+    self->writer_->strand().AssertHeld();
     done(self->TakeTail(*shared));
   });
 }
 
 absl::Status MeshHost::TakeTail(const SharedJournal::Tail& tail) {
-  if (absl::Status s = closed(); !s.ok()) return absl::CancelledError(s.message());
-  if (seen_snapshot_ < tail.snapshot) log_->SawSnapshot(tail.snapshot_bytes);
+  if (absl::Status s = readers_->closed(); !s.ok()) return absl::CancelledError(s.message());
+  if (seen_snapshot_ < tail.snapshot) writer_->log()->SawSnapshot(tail.snapshot_bytes);
   seen_snapshot_ = tail.snapshot;
   absl::Status status;
   for (auto entry = tail.entries.begin(); status.ok() && entry != tail.entries.end(); ++entry) {
@@ -29,9 +29,8 @@ absl::Status MeshHost::TakeTail(const SharedJournal::Tail& tail) {
   for (auto it = tail.requests.begin(); status.ok() && it != tail.requests.end(); ++it) {
     status = Remember(*it);
   }
-  hub_->Notify();
-  waiters_.Reached(head().revision);
-  RebaseIfDue();
+  readers_->Notify();
+  readers_->TellWaiters();
   return status;
 }
 
@@ -47,11 +46,11 @@ absl::Status MeshHost::TakeEntry(const Journal::Entry& entry) {
                                                  kMeshBits));
   }
   ApplyOptions options;
-  options.interrupted = [this] { return ended_.load(std::memory_order_relaxed); };
+  options.interrupted = [this] { return readers_->ended(); };
   absl::StatusOr<MeshDiff> diff = mesh_->Apply(batch->edits, options);
   if (!diff.ok()) {
-    return ended_ ? diff.status()
-                  : at(absl::StrCat("cannot be applied: ", diff.status().message()));
+    return readers_->ended() ? diff.status()
+                             : at(absl::StrCat("cannot be applied: ", diff.status().message()));
   }
   if (diff->to_revision != entry.revision) {
     return at(absl::StrCat("makes revision ", diff->to_revision));
@@ -60,40 +59,29 @@ absl::Status MeshHost::TakeEntry(const Journal::Entry& entry) {
     return at(absl::StrCat("has the hash ", diff->hash.ToHex(), " here, and ", batch->hash.ToHex(),
                            " in the journal"));
   }
-  log_->SawEntry(entry.revision, entry.data.size(), diff->work);
-  if (absl::Status s = store_->Append(std::make_shared<const MeshDiff>(*std::move(diff)));
-      !s.ok()) {
-    return at(s.message());
-  }
-  const MutexLock lock(mutex_);
-  stats_ = mesh_->Stats();
-  return absl::OkStatus();
+  writer_->log()->SawEntry(entry.revision, entry.data.size(), diff->work);
+  const absl::Status published =
+      readers_->Append(std::make_shared<const MeshDiff>(*std::move(diff)), mesh_->Stats());
+  return published.ok() ? published : at(published.message());
 }
 
 absl::Status MeshHost::Remember(const Journal::Request& request) {
-  if (requests_.Find(request.id) != nullptr) return absl::OkStatus();
+  if (writer_->FindAnswered(request.id) != nullptr) return absl::OkStatus();
   const auto answer = DecodeAnswer(request);
   if (!answer.ok()) return answer.status();
-  requests_.Remember(request.id, *answer);
+  writer_->Remember(request.id, *answer);
   return absl::OkStatus();
-}
-
-void MeshHost::WhenAt(std::uint64_t revision, RevisionWaiters::Clock::time_point end,
-                      RevisionWaiters::Done done) {
-  waiters_.Add(revision, end, std::move(done));
-  waiters_.Reached(head().revision);  // it may have come before
 }
 
 void MeshHost::HandOver(std::function<absl::StatusOr<MeshOwner>()> give,
                         std::function<void(absl::Status)> done) {
-  queue_->Post([self = shared_from_this(), give = std::move(give), done = std::move(done)] {
-    self->strand_.AssertHeld();
-    if (!self->IsWritten()) return;
-    if (absl::Status s = self->closed(); !s.ok()) return done(s);
+  strand_->Post([self = shared_from_this(), give = std::move(give), done = std::move(done)] {
+    self->writer_->strand().AssertHeld();
+    if (!self->writer_->IsWritten()) return;
+    if (absl::Status s = self->readers_->closed(); !s.ok()) return done(s);
     const absl::StatusOr<MeshOwner> owner = give();
     if (owner.ok()) {
-      self->disowned_ = true;
-      self->Close(NotOwnerError(self->id_, *owner));
+      self->writer_->GiveUp(NotOwnerError(self->id_, *owner));
       Log(LogLevel::kInfo, "mesh_handed_over",
           {{"mesh", self->id_},
            {"revision", self->head().revision},

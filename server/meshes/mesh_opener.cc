@@ -133,14 +133,14 @@ void MeshOpener::Step(const std::string& id) {
 }
 
 MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, const Opening& before) {
-  const absl::StatusOr<SharedJournal::Place> place = journal_->Locate(id);
-  if (absl::IsNotFound(place.status())) return {MeshNotFoundError(id)};
-  if (!place.ok()) {
-    Found found{JournalReadError(place.status(), id)};
-    found.failure = place.status();
+  const absl::StatusOr<SharedJournal::Located> located = journal_->Locate(id);
+  if (absl::IsNotFound(located.status())) return {MeshNotFoundError(id)};
+  if (!located.ok()) {
+    Found found{JournalReadError(located.status(), id)};
+    found.failure = located.status();
     return found;
   }
-  Found found = LookAt(id, *place, claims, before.left);
+  Found found = LookAt(id, *located, claims, before.left);
   // The next look finds the node that was granted the claim.
   if (absl::IsAborted(found.answer.status()) && !codec::GetServiceError(found.answer.status())) {
     if (before.lost < kMostLost) {
@@ -152,38 +152,38 @@ MeshOpener::Found MeshOpener::Look(const std::string& id, bool claims, const Ope
   return found;
 }
 
-MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal::Place& place,
+MeshOpener::Found MeshOpener::LookAt(const std::string& id, const SharedJournal::Located& located,
                                      bool claims, int left) {
   const absl::Duration lease = journal_->lease();
-  const bool is_held = !place.is_mine && place.left > absl::ZeroDuration();
+  const bool is_held = !located.is_mine && located.left > absl::ZeroDuration();
   // An owner that renews leaves about half of it (lease_keeper.h).
-  if (is_held && place.left > 0.4 * lease) {
-    return {NotOwnerError(id, {place.address, place.epoch})};
+  if (is_held && located.left > 0.4 * lease) {
+    return {NotOwnerError(id, {located.address, located.epoch})};
   }
-  if (!place.is_mine && !claims) {
-    const std::string chosen = Chosen(id, place);
+  if (!located.is_mine && !claims) {
+    const std::string chosen = Chosen(id, located);
     if (chosen != address_) {
-      return {NotOwnerError(id, {chosen, place.epoch}), /*only_followers=*/true};
+      return {NotOwnerError(id, {chosen, located.epoch}), /*only_followers=*/true};
     }
   }
   if (is_held) {
-    const absl::Duration again = std::min(place.left + kPast, lease / 10);
+    const absl::Duration again = std::min(located.left + kPast, lease / 10);
     return {HostPtr(), false, absl::ToChronoNanoseconds(again)};
   }
   // They have it in memory, and look for it every 50 ms.
-  const auto& followers = place.followers;
+  const auto& followers = located.followers;
   const bool follows = std::find(followers.begin(), followers.end(), address_) != followers.end();
-  if (!place.is_mine && !followers.empty() && !follows && left < kMostLeft) {
+  if (!located.is_mine && !followers.empty() && !follows && left < kMostLeft) {
     return {HostPtr(), false, kLeaveFor, /*is_left=*/true};
   }
-  return {load_(place.mesh)};
+  return {load_(located.mesh)};
 }
 
-std::string MeshOpener::Chosen(const std::string& id, const SharedJournal::Place& place) const {
-  absl::StatusOr<std::vector<std::string>> nodes = place.followers;
+std::string MeshOpener::Chosen(const std::string& id, const SharedJournal::Located& located) const {
+  absl::StatusOr<std::vector<std::string>> nodes = located.followers;
   if (nodes->empty()) nodes = journal_->LiveNodes();
   if (!nodes.ok()) return address_;
-  if (place.address != address_) std::erase(*nodes, place.address);
+  if (located.address != address_) std::erase(*nodes, located.address);
   const auto chosen = ChooseNode(*nodes, id);
   return chosen.has_value() ? (*nodes)[*chosen] : address_;
 }

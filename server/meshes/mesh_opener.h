@@ -93,10 +93,10 @@ class MeshOpener {
   std::vector<std::pair<std::string, Waiter>> TakeAll(bool queued_only)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   Found Look(const std::string& id, bool claims, const Opening& before);
-  Found LookAt(const std::string& id, const SharedJournal::Place& place, bool claims, int left);
+  Found LookAt(const std::string& id, const SharedJournal::Located& located, bool claims, int left);
   // Where a mesh is to be opened that its last owner does not have any more; this node's address if
   // that is not known.
-  std::string Chosen(const std::string& id, const SharedJournal::Place& place) const;
+  std::string Chosen(const std::string& id, const SharedJournal::Located& located) const;
   // Takes the waiters out that `is_meant` is true for. With the mutex.
   static std::vector<Waiter> Take(Opening& opening,
                                   const std::function<bool(const Waiter&)>& is_meant);

@@ -181,7 +181,7 @@ class MeshRegistry {
   void PutFollowed(const Journal::Mesh& mesh, const HostPtr& host, absl::Time start);
   // Of a mesh that is to be deleted and is not here: NOT_FOUND, or NOT_OWNER if it is leased.
   absl::StatusOr<Journal::Key> KeyElsewhere(const std::string& id) const;
-  Listed ListedOf(const SharedJournal::Place& place) const;
+  Listed ListedOf(const SharedJournal::Located& located) const;
   // Drops a mesh that another server has. The host is destroyed by a writer.
   void Drop(const std::string& id, const HostPtr& host, const absl::Status& why);
   // Makes the host of a recovered mesh, and puts it in.

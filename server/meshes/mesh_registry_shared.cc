@@ -79,17 +79,17 @@ absl::Status MeshRegistry::OpenChosen() {
   if (!nodes.ok()) return nodes.status();
   std::string after;
   while (true) {
-    const absl::StatusOr<std::vector<SharedJournal::Place>> places =
+    const absl::StatusOr<std::vector<SharedJournal::Located>> all =
         shared_->LocateAll(after, kPage);
-    if (!places.ok()) return places.status();
-    for (const SharedJournal::Place& place : *places) {
-      after = place.mesh.id;
-      if (place.left > absl::ZeroDuration()) continue;
-      const auto chosen = ChooseNode(*nodes, place.mesh.id);
+    if (!all.ok()) return all.status();
+    for (const SharedJournal::Located& located : *all) {
+      after = located.mesh.id;
+      if (located.left > absl::ZeroDuration()) continue;
+      const auto chosen = ChooseNode(*nodes, located.mesh.id);
       if (chosen.has_value() && (*nodes)[*chosen] != address_) continue;
-      opener_->Open(place.mesh.id, {}, [](const absl::StatusOr<HostPtr>&) {});
+      opener_->Open(located.mesh.id, {}, [](const absl::StatusOr<HostPtr>&) {});
     }
-    if (places->size() < kPage) return absl::OkStatus();
+    if (all->size() < kPage) return absl::OkStatus();
   }
 }
 
@@ -186,48 +186,47 @@ absl::StatusOr<std::vector<MeshRegistry::Listed>> MeshRegistry::ListAll(
   std::vector<Listed> listed;
   std::string last(after);
   while (true) {
-    const absl::StatusOr<std::vector<SharedJournal::Place>> places =
-        shared_->LocateAll(last, kPage);
-    if (!places.ok()) {
-      return absl::Status(places.status().code(),
-                          absl::StrCat("the meshes cannot be listed: ", places.status().message()));
+    const absl::StatusOr<std::vector<SharedJournal::Located>> all = shared_->LocateAll(last, kPage);
+    if (!all.ok()) {
+      return absl::Status(all.status().code(),
+                          absl::StrCat("the meshes cannot be listed: ", all.status().message()));
     }
-    for (const SharedJournal::Place& place : *places) {
-      const std::string& id = last = place.mesh.id;
+    for (const SharedJournal::Located& located : *all) {
+      const std::string& id = last = located.mesh.id;
       if (listed.size() == limit) return listed;
       if (shown != nullptr && !shown(id)) continue;
-      listed.push_back(ListedOf(place));
+      listed.push_back(ListedOf(located));
     }
-    if (places->size() < kPage) return listed;
+    if (all->size() < kPage) return listed;
   }
 }
 
-MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Place& place) const {
+MeshRegistry::Listed MeshRegistry::ListedOf(const SharedJournal::Located& located) const {
   {
     const MutexLock lock(mutex_);
-    const auto it = hosts_.find(place.mesh.id);
+    const auto it = hosts_.find(located.mesh.id);
     if (it != hosts_.end() && (it->second.host == nullptr || !it->second.host->disowned())) {
       return {it->first, it->second.host, it->second.damage, "", 0, {}};
     }
   }
-  const auto made = codec::DecodeJournalMesh(place.mesh.description);
-  if (!place.mesh.damage.ok() || !made.ok()) {
-    const absl::Status& why = place.mesh.damage.ok() ? made.status() : place.mesh.damage;
-    return {place.mesh.id, nullptr, DamageOf(place.mesh.id, why), "", 0, {}};
+  const auto made = codec::DecodeJournalMesh(located.mesh.description);
+  if (!located.mesh.damage.ok() || !made.ok()) {
+    const absl::Status& why = located.mesh.damage.ok() ? made.status() : located.mesh.damage;
+    return {located.mesh.id, nullptr, DamageOf(located.mesh.id, why), "", 0, {}};
   }
-  const bool is_held = place.left > absl::ZeroDuration() && !place.address.empty();
-  return {place.mesh.id,  nullptr,          absl::OkStatus(), is_held ? place.address : "none",
-          place.revision, made->create_time};
+  const bool is_held = located.left > absl::ZeroDuration() && !located.address.empty();
+  return {located.mesh.id,  nullptr,          absl::OkStatus(), is_held ? located.address : "none",
+          located.revision, made->create_time};
 }
 
 absl::StatusOr<Journal::Key> MeshRegistry::KeyElsewhere(const std::string& id) const {
   const absl::Status missing = MeshNotFoundError(id);
   if (shared_ == nullptr) return missing;
-  const absl::StatusOr<SharedJournal::Place> place = shared_->Locate(id);
-  if (absl::IsNotFound(place.status())) return missing;
-  if (!place.ok()) return JournalReadError(place.status(), id);
-  if (place->is_mine || place->left <= absl::ZeroDuration()) return place->mesh.key;
-  return NotOwnerError(id, {place->address, place->epoch});
+  const absl::StatusOr<SharedJournal::Located> located = shared_->Locate(id);
+  if (absl::IsNotFound(located.status())) return missing;
+  if (!located.ok()) return JournalReadError(located.status(), id);
+  if (located->is_mine || located->left <= absl::ZeroDuration()) return located->mesh.key;
+  return NotOwnerError(id, {located->address, located->epoch});
 }
 
 void MeshRegistry::FindMade(const absl::StatusOr<HostPtr>& created, const MeshOptions& options,

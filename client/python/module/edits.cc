@@ -3,9 +3,13 @@
 
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
+#include "core/base/feature_kinds.h"
 
 namespace dynmesh::python {
 namespace {
+
+// Each has a function of a batch, here and in the package, and a dict in FeatureDicts.
+static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);
 
 using Ids = InArray<std::uint64_t>;
 using Doubles = InArray<double>;

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 #include "core/base/text.h"
 #include "core/coplanar/merge_coplanar.h"
@@ -49,7 +50,7 @@ void DivideByMarkers(const FeatureLabels& labels, std::vector<Feature>& features
   std::set<std::pair<FeatureId, FeatureId>> divided;
   for (const Feature& f : features) {
     next_id = std::max(next_id, f.id);
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     const std::int64_t marker = labels.MarkerOf(f.id);
     ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
       const auto [it, is_new] = marker_of.emplace(std::minmax(p, q), marker);

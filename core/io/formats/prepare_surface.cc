@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/rounding.h"
 #include "core/base/text.h"
 #include "core/coplanar/facet_rings.h"
@@ -40,7 +41,7 @@ void FindConflicts(const std::vector<Feature>& features,
 
 bool HasFacesToCut(const std::vector<Feature>& features) {
   return std::ranges::any_of(features, [](const Feature& f) {
-    return f.kind == FeatureKind::kPolygon && f.rings.front().size() > 3;
+    return Is<APolygon>(f, Not<APoint, ASegment, ASize>) && f.rings.front().size() > 3;
   });
 }
 
@@ -62,8 +63,8 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding&
 }
 
 bool AreInDomain(const std::vector<Feature>& features) {
-  return std::ranges::all_of(
-      features, [](const Feature& f) { return coplanar::IsInDomain(f.position); });
+  return std::ranges::all_of(features,
+                             [](const Feature& f) { return coplanar::IsInDomain(f.position); });
 }
 
 SurfaceCounts CountsOf(const SurfaceMends& mends, const coplanar::JoinedFaces& joined) {

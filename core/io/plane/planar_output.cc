@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/script/edit_script.h"
@@ -29,12 +30,12 @@ absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& 
                            const FeatureLabels& labels) {
   absl::flat_hash_map<FeatureId, std::size_t> number;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) number.emplace(f.id, number.size() + 1);
+    if (IsPoint(f)) number.emplace(f.id, number.size() + 1);
   }
   std::vector<std::array<std::size_t, 2>> segments;
   std::vector<std::int64_t> markers;  // of segments
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kSegment) continue;
+    if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
     std::array<std::size_t, 2> ends{};
     for (std::size_t i = 0; i < 2; ++i) {
       const auto it = number.find(f.ends[i]);
@@ -52,7 +53,7 @@ absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& 
   out << number.size() << " 2 " << labels.attributes << (has_markers ? " 1\n" : " 0\n");
   std::size_t n = 0;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     out << ++n << ' ' << f.position[0] << ' ' << f.position[1];
     for (std::size_t k = 0; k < labels.attributes; ++k) {
       const std::size_t at = (f.id - 1) * labels.attributes + k;

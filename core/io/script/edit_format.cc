@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/size_shapes.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
@@ -77,14 +78,13 @@ std::string FormatEdit(const Edit& edit, int dimension) {
   };
   if (edit.action == Edit::Action::kMove) return Concat("move ", point());
   const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
-  if (f.kind == FeatureKind::kPoint) return Concat(verb, " ", point());
-  if (f.kind == FeatureKind::kSize) {
-    return Concat(verb, " size ", f.id, " ", FormatSize(f, dimension));
-  }
-  if (f.kind == FeatureKind::kPolygon) {
-    return Concat(verb, " polygon ", f.id, " ", FormatRings(f.rings));
-  }
-  return Concat(verb, " segment ", f.id, " ", f.ends[0], " ", f.ends[1]);
+  return Visit(
+      f, [&](const APoint&) { return Concat(verb, " ", point()); },
+      [&](const ASegment& s) {
+        return Concat(verb, " segment ", s.id, " ", s.ends[0], " ", s.ends[1]);
+      },
+      [&](const APolygon& p) { return Concat(verb, " polygon ", p.id, " ", FormatRings(p.rings)); },
+      [&](const ASize& s) { return Concat(verb, " size ", s.id, " ", FormatSize(f, dimension)); });
 }
 
 }  // namespace dynmesh::io

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/size_shapes.h"
 #include "core/base/text.h"
 
@@ -174,6 +175,7 @@ class ScriptParser {
 
   // "add|set|move KIND ID ...".
   absl::Status ParseFeature(Edit::Action action) {
+    static_assert(kAreAllKinds<APoint, ASegment, APolygon, ASize>);  // below
     if (reader_.size() < 2) {
       return Error(Concat(reader_.token(0), " what? Expected point, segment, polygon or size"));
     }

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/size_shapes.h"
 #include "core/io/script/edit_script.h"
 
@@ -38,8 +39,8 @@ class BoxBuilder {
 
 // Adds the positions of the feature that must lie in the mesh's box.
 void AddPositions(const Feature& f, BoxBuilder& builder) {
-  if (f.kind == FeatureKind::kPoint) builder.Add(f.position);
-  if (f.kind != FeatureKind::kSize) return;
+  if (IsPoint(f)) builder.Add(f.position);
+  if (!Is<ASize>(f, Not<APoint, ASegment, APolygon>)) return;
   const SizeShapeUse* const use = FindUse(f.sizing.shape);
   if (use == nullptr || !use->in_box) return;
   if (use->position) builder.Add(f.position);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 
 namespace dynmesh::io {
@@ -25,7 +26,7 @@ class ScriptState {
       features_.erase(it);
       return absl::OkStatus();
     }
-    if (edit.action == Edit::Action::kMove && it->second.first.kind != FeatureKind::kPoint) {
+    if (edit.action == Edit::Action::kMove && !IsPoint(it->second.first)) {
       return Error(where, Concat("feature ", id, " is no point: it cannot be moved"));
     }
     it->second = {edit.feature, where};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/common/triangle_sections.h"
@@ -292,7 +293,7 @@ absl::StatusOr<std::vector<Feature>> ReadMtrFile(const std::string& path, const 
   SizeView view;
   view.file = path;
   for (const Feature& f : input.features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     const std::size_t i = view.elements.size();
     view.elements.push_back({{f.position}, {i < sizes->size() ? (*sizes)[i] : 0}});
   }

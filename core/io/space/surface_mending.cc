@@ -13,6 +13,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/ring_walk.h"
 #include "core/coplanar/needles.h"
 #include "core/geometry/point.h"
@@ -31,7 +32,7 @@ class Mender {
   Mender(double distance, FileFeatures& file) : distance_(distance), file_(file) {
     for (std::size_t i = 0; i < file.features.size(); ++i) {
       Feature& f = file.features[i];
-      if (f.kind != FeatureKind::kPoint) continue;
+      if (!IsPoint(f)) continue;
       for (double& x : f.position) x += 0.0;  // -0 is 0
       points_.push_back(i);
     }
@@ -71,7 +72,7 @@ class Mender {
     uses_.assign(positions_.size(), 0);
     for (std::size_t i = 0; i < file_.features.size(); ++i) {
       const Feature& f = file_.features[i];
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
       CornerRing& ring = faces_.emplace_back();
       for (const FeatureId id : f.rings.front()) {
         ring.push_back(corner_.at(id));
@@ -203,7 +204,7 @@ class Mender {
   std::vector<CornerPair> Segments() const {
     std::vector<CornerPair> segments;
     for (const Feature& f : file_.features) {
-      if (f.kind == FeatureKind::kSegment) segments.push_back(EndsOf(f));
+      if (Is<ASegment>(f, Not<APoint, APolygon, ASize>)) segments.push_back(EndsOf(f));
     }
     std::sort(segments.begin(), segments.end());
     return segments;
@@ -228,12 +229,13 @@ class Mender {
     std::vector<Feature> features;
     std::set<CornerPair> joined;
     for (Feature& f : file_.features) {
-      if (f.kind == FeatureKind::kPoint) {
+      if (Is<APolygon, ASize>(f, Not<APoint, ASegment>)) continue;
+      if (IsPoint(f)) {
         const Corner c = root_[corner_.at(f.id)];
         if (ids_[c] != f.id || (was_named[c] && !named[c])) continue;
         f.position = positions_[c].c;
         features.push_back(std::move(f));
-      } else if (f.kind == FeatureKind::kSegment) {
+      } else {
         const CornerPair ends = EndsOf(f);
         if (ends.first == ends.second || !joined.insert(ends).second) continue;
         for (FeatureId& end : f.ends) end = ids_[root_[corner_.at(end)]];

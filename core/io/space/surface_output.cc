@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 
@@ -28,7 +29,7 @@ absl::StatusOr<Surface> SurfaceOf(const std::vector<Feature>& features) {
   Surface surface;
   absl::flat_hash_map<FeatureId, std::size_t> index;
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPoint) continue;
+    if (!IsPoint(f)) continue;
     index.emplace(f.id, surface.points.size());
     surface.points.push_back(&f);
   }
@@ -46,12 +47,12 @@ absl::StatusOr<Surface> SurfaceOf(const std::vector<Feature>& features) {
     return absl::OkStatus();
   };
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kSegment) continue;
+    if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
     if (auto s = add(f, f.ends); !s.ok()) return s;
   }
   surface.segments = surface.faces.size();
   for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kPolygon) continue;
+    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
     if (f.rings.size() != 1) {
       return absl::InvalidArgumentError(Concat("polygon ", f.id, " has ", f.rings.size(),
                                                " rings, and this format a place for one; write a "

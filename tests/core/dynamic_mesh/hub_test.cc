@@ -26,7 +26,7 @@ class Scene {
     features_.Apply(*delta, refinement_);
     ASSERT_TRUE(refinement_.Propagate([] { return false; }));
     features_.Collect();
-    plc_.Commit(*delta);
+    plc_.Apply(*delta);
     refinement_.TakeChanges([](auto, bool, bool) {}, [](auto, bool, bool) {});
   }
   const Refinement& refinement() const { return refinement_; }

@@ -145,7 +145,7 @@ void ExpectAPropagationToBeAskedAllAlong(const std::vector<Feature>& features) {
     if (goes) come.push_back(Edit::Add(f));
   }
   plc::Plc<D> plc(DefaultsIn<D>());
-  plc.Commit(*plc.Check(AddAll(features)));
+  plc.Apply(*plc.Check(AddAll(features)));
   LiveMesh<D> mesh(DefaultsIn<D>(), AlwaysPropagate());
   ASSERT_TRUE(mesh.Apply(AddAll(features), ApplyOptions()).ok());
   for (const EditBatch& batch : {go, come}) {
@@ -167,7 +167,7 @@ void ExpectAPropagationToBeAskedAllAlong(const std::vector<Feature>& features) {
       EXPECT_EQ(audit.trace, trace) << part << " of " << parts;
     }
     ASSERT_TRUE(mesh.Apply(batch, ApplyOptions()).ok());
-    plc.Commit(*delta);
+    plc.Apply(*delta);
     const Difference d = CompareWithScratch(mesh, true);
     EXPECT_FALSE(d.found) << d.what;
   }
@@ -199,7 +199,7 @@ TEST(Interrupt, ValidationOfAFirstLoadIsAskedAllAlong) {
 TEST(Interrupt, ValidationIsAskedBeforeItsFirstFeature) {
   plc::Plc2 plc{MeshOptions()};
   const std::vector<Feature> present = MakeFeatures(Distribution::kUniform, 20'000, 4);
-  plc.Commit(*plc.Check(AddAll(present)));
+  plc.Apply(*plc.Check(AddAll(present)));
   EditBatch most;
   for (std::size_t i = 0; i < present.size() / 2; ++i) {
     most.push_back(Edit::Remove(present[i].id));

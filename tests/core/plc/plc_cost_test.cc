@@ -106,7 +106,7 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
       std::uint64_t build = 0;
       const absl::StatusOr<Delta<2>> delta = plc.Check(batch, &build);
       ASSERT_TRUE(delta.ok()) << delta.status();
-      plc.Commit(*delta);
+      plc.Apply(*delta);
       std::uint64_t cost = 0;
       const FeatureId id = 1'000'000'000;
       for (int i = 0; i < 100; ++i) {

@@ -1,4 +1,4 @@
-// The results of Check and the effects of Commit: exactly the net change.
+// The results of Check and the effects of Apply: exactly the net change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,12 +49,12 @@ TEST_F(PlcDelta, FirstBatchAddsEverythingSortedById) {
   EXPECT_TRUE(delta.removed_segments.empty());
 }
 
-TEST_F(PlcDelta, NothingChangesUntilCommit) {
+TEST_F(PlcDelta, NothingChangesUntilApply) {
   const absl::StatusOr<Delta<2>> delta = plc_.Check({AddPoint(4, 0.1, 0.1)});
   ASSERT_TRUE(delta.ok());
   EXPECT_EQ(plc_.store().FindPoint(4), nullptr);
   EXPECT_EQ(plc_.size(), 5u);
-  plc_.Commit(*delta);
+  plc_.Apply(*delta);
   EXPECT_NE(plc_.store().FindPoint(4), nullptr);
   EXPECT_EQ(plc_.size(), 6u);
 }
@@ -105,13 +105,13 @@ TEST_F(PlcDelta, AFeatureMayChangeItsKind) {
   EXPECT_EQ(plc_.store().FindPoint(12), nullptr);
 }
 
-TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
+TEST_F(PlcDelta, TheInverseRestoresTheFeatures) {
   const std::vector<Feature> before = plc_.Features();
   const Delta<2> delta = Apply(plc_, {Edit::Move(2, 0.8, 0.2), Edit::Remove(11), Edit::Remove(1),
                                       AddPoint(20, 0.1, 0.9), AddSegment(21, 20, 3)});
   EXPECT_NE(plc_.Features(), before);
   EXPECT_EQ(delta.Inverse().Inverse(), delta);
-  plc_.Commit(delta.Inverse());
+  plc_.Apply(delta.Inverse());
   EXPECT_EQ(plc_.Features(), before);
   EXPECT_EQ(SegmentsAt(plc_, 2), (std::vector<FeatureId>{11, 12}));
   // The index is back, too.
@@ -190,9 +190,9 @@ TEST_F(PlcDelta, OfCapsules) {
       plc.Check({Edit::Set(Feature::SizeCapsule(7, {{0.5, 0}, {0.25, 0.75}}, 0.25, 0.125))});
   ASSERT_TRUE(moved.ok());
   EXPECT_EQ(moved->size(), 2u);
-  plc.Commit(*moved);
+  plc.Apply(*moved);
   EXPECT_EQ(plc.Features()[0].sizing.path[1][1], 0.75);
-  plc.Commit(moved->Inverse());
+  plc.Apply(moved->Inverse());
   EXPECT_EQ(plc.Features(), std::vector<Feature>{capsule});
 }
 
@@ -216,8 +216,8 @@ TEST_F(PlcDelta, OfSizes) {
   EXPECT_EQ(finer->size(), 2u);
   EXPECT_EQ(finer->added_sizes[0].sizing.target, 0.0625);
   EXPECT_EQ(finer->Inverse().Inverse(), *finer);
-  plc.Commit(*finer);
-  plc.Commit(finer->Inverse());
+  plc.Apply(*finer);
+  plc.Apply(finer->Inverse());
   EXPECT_EQ(plc.store().FindSize(7)->sizing.target, 0.125);
 
   // Kinds change in place.
@@ -225,13 +225,13 @@ TEST_F(PlcDelta, OfSizes) {
   ASSERT_TRUE(point.ok());
   EXPECT_EQ(point->removed_sizes.size(), 1u);
   EXPECT_EQ(point->added_points.size(), 1u);
-  plc.Commit(*point);
+  plc.Apply(*point);
   EXPECT_EQ(plc.store().FindSize(7), nullptr);
   const auto back = plc.Check({Edit::Set(disc)});
   ASSERT_TRUE(back.ok());
   EXPECT_EQ(back->removed_points.size(), 1u);
   EXPECT_EQ(back->added_sizes.size(), 1u);
-  plc.Commit(*back);
+  plc.Apply(*back);
   EXPECT_EQ(plc.store().FindPoint(7), nullptr);
   Apply(plc, {Edit::Remove(7)});
   EXPECT_EQ(plc.size(), 1u);
@@ -261,11 +261,11 @@ TEST(PlcDeltaParts, MakeTheWholeChange) {
     for (std::size_t at = 0; at < whole->size(); at += at_once) {
       const Delta<2> part = whole->Part(at, std::min(at + at_once, whole->size()));
       EXPECT_EQ(part.size(), std::min(at_once, whole->size() - at));
-      plc.Commit(part);
+      plc.Apply(part);
     }
     if (to.empty()) to = plc.Features();
     EXPECT_EQ(plc.Features(), to);
-    plc.Commit(whole->Inverse());
+    plc.Apply(whole->Inverse());
     EXPECT_EQ(plc.Features(), from);
   }
   EXPECT_EQ(whole->Part(0, whole->size()), *whole);

@@ -349,14 +349,14 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
     ++tally.accepted;
     ASSERT_TRUE(delta.ok()) << delta.status();
     ASSERT_EQ(*delta, NaiveDelta(present, wanted.features));
-    plc.Commit(*delta);
+    plc.Apply(*delta);
     ASSERT_EQ(plc.Features(), Normalized(wanted.features));
-    plc.Commit(delta->Inverse());
+    plc.Apply(delta->Inverse());
     ASSERT_EQ(plc.Features(), Normalized(present));
     const absl::StatusOr<Delta<2>> again = plc.Check(batch);
     ASSERT_TRUE(again.ok()) << again.status();
     ASSERT_EQ(*again, *delta);
-    plc.Commit(*delta);
+    plc.Apply(*delta);
     present = wanted.features;
     script += ScriptOf(batch);
   }
@@ -425,7 +425,7 @@ TEST(PlcProperty, AnswersDoNotDependOnHistory) {
     for (int i = 0; i < 150; ++i) {
       const absl::StatusOr<Delta<2>> delta = grown.Check(generator.Batch(present, 6));
       if (!delta.ok()) continue;
-      grown.Commit(*delta);
+      grown.Apply(*delta);
       present.clear();
       for (const Feature& f : grown.Features()) present[f.id] = f;
     }

@@ -127,7 +127,7 @@ Delta<D> Apply(Plc<D>& plc, const EditBatch& batch) {
   absl::StatusOr<Delta<D>> delta = plc.Check(batch);
   EXPECT_TRUE(delta.ok()) << delta.status();
   if (!delta.ok()) return {};
-  plc.Commit(*delta);
+  plc.Apply(*delta);
   return *delta;
 }
 

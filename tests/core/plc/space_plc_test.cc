@@ -483,7 +483,7 @@ TEST(SpacePlc, FacetsComeAndGoWithPolygonsAndFollowTheirCorners) {
   EXPECT_EQ(plc.FromNothing().added_facets, moved.added_facets);
   // The index follows.
   EXPECT_FALSE(plc.Check({AddPoint3(20, 0.77, 0.77, 0.5)}).ok());
-  plc.Commit(moved.Inverse());
+  plc.Apply(moved.Inverse());
   EXPECT_TRUE(plc.Check({AddPoint3(20, 0.77, 0.77, 0.5)}).ok());
   EXPECT_EQ(plc.FromNothing(), first);
   // Another ring, another facet.

@@ -269,12 +269,12 @@ void RunScript(std::uint64_t seed, int batches, int most, Tally& tally) {
     ++tally.accepted;
     ASSERT_EQ(*again, *delta);
     const Delta<3> before = grown.FromNothing();
-    grown.Commit(*delta);
+    grown.Apply(*delta);
     ExpectChange(before, *delta, grown.FromNothing());
     if (testing::Test::HasFatalFailure()) return;
-    grown.Commit(delta->Inverse());
+    grown.Apply(delta->Inverse());
     ASSERT_EQ(grown.FromNothing(), before);
-    grown.Commit(*delta);
+    grown.Apply(*delta);
     present = generator.draft();
   }
 }

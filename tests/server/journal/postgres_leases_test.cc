@@ -190,15 +190,16 @@ class SharedPostgresTest : public PostgresTest {
     return Open(options);
   }
   // "ADDRESS epoch REVISION", "mine ..." or "free ..."
-  static std::string Text(const SharedJournal::Place& place) {
-    const std::string at = place.left <= absl::ZeroDuration() ? "free"
-                           : place.is_mine                    ? "mine"
-                                                              : place.address;
-    return absl::StrCat(at, " ", place.epoch, " ", place.revision);
+  static std::string Text(const SharedJournal::Located& located) {
+    const std::string at = located.left <= absl::ZeroDuration() ? "free"
+                           : located.is_mine                    ? "mine"
+                                                                : located.address;
+    return absl::StrCat(at, " ", located.epoch, " ", located.revision);
   }
   static std::string Where(PostgresJournal& journal, const std::string& id) {
-    const auto place = journal.Locate(id);
-    return place.ok() ? Text(*place) : std::string(absl::StatusCodeToString(place.status().code()));
+    const auto located = journal.Locate(id);
+    return located.ok() ? Text(*located)
+                        : std::string(absl::StatusCodeToString(located.status().code()));
   }
 };
 
@@ -247,9 +248,9 @@ TEST_F(SharedPostgresTest, AllMeshesAreListedInPages) {
   ASSERT_TRUE(a->Renew("host-a:1").ok());
   for (const char* id : {"c", "a", "d"}) ASSERT_TRUE(a->Create(id, id).ok());
   ASSERT_TRUE(b->Create("b", "").ok());
-  const auto ids = [](const absl::StatusOr<std::vector<SharedJournal::Place>>& places) {
+  const auto ids = [](const absl::StatusOr<std::vector<SharedJournal::Located>>& all) {
     std::string text;
-    for (const auto& place : *places) absl::StrAppend(&text, place.mesh.id, Text(place), ";");
+    for (const auto& located : *all) absl::StrAppend(&text, located.mesh.id, Text(located), ";");
     return text;
   };
   EXPECT_EQ(ids(b->LocateAll("", 2)), "ahost-a:1 1 0;bmine 1 0;");

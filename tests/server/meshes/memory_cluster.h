@@ -173,23 +173,23 @@ class MemoryCluster {
       const std::lock_guard lock(cluster_.mutex_);
       return cluster_.nodes_;
     }
-    absl::StatusOr<Place> Locate(const std::string& id) override {
+    absl::StatusOr<Located> Locate(const std::string& id) override {
       const std::lock_guard lock(cluster_.mutex_);
       const auto it = cluster_.meshes_.find(id);
       if (it == cluster_.meshes_.end()) return NoSuchMesh();
-      Place place = PlaceOf(it->second);
-      place.followers.assign(it->second.followers.begin(), it->second.followers.end());
-      return place;
+      Located located = LocatedOf(it->second);
+      located.followers.assign(it->second.followers.begin(), it->second.followers.end());
+      return located;
     }
-    absl::StatusOr<std::vector<Place>> LocateAll(const std::string& after,
-                                                 std::size_t limit) override {
+    absl::StatusOr<std::vector<Located>> LocateAll(const std::string& after,
+                                                   std::size_t limit) override {
       const std::lock_guard lock(cluster_.mutex_);
-      std::vector<Place> places;
+      std::vector<Located> all;
       for (auto it = cluster_.meshes_.upper_bound(after);
-           it != cluster_.meshes_.end() && places.size() < limit; ++it) {
-        places.push_back(PlaceOf(it->second));
+           it != cluster_.meshes_.end() && all.size() < limit; ++it) {
+        all.push_back(LocatedOf(it->second));
       }
-      return places;
+      return all;
     }
     std::int64_t EpochOf(Key key) override {
       const std::lock_guard lock(cluster_.mutex_);
@@ -253,15 +253,15 @@ class MemoryCluster {
     static std::uint64_t HeadOf(const MemoryCluster::Mesh& mesh) {
       return mesh.entries.empty() ? mesh.first : mesh.entries.back().revision;
     }
-    Place PlaceOf(const MemoryCluster::Mesh& mesh) const {
-      Place place;
-      place.mesh = mesh.mesh;
-      place.revision = HeadOf(mesh);
-      place.is_mine = mesh.owner == address_;
-      place.address = mesh.owner;
-      place.epoch = mesh.epoch;
-      place.left = mesh.leased ? absl::Hours(1) : absl::ZeroDuration();
-      return place;
+    Located LocatedOf(const MemoryCluster::Mesh& mesh) const {
+      Located located;
+      located.mesh = mesh.mesh;
+      located.revision = HeadOf(mesh);
+      located.is_mine = mesh.owner == address_;
+      located.address = mesh.owner;
+      located.epoch = mesh.epoch;
+      located.left = mesh.leased ? absl::Hours(1) : absl::ZeroDuration();
+      return located;
     }
     Tail TailOf(const Position& position) const {
       Tail tail;

@@ -18,10 +18,10 @@
 namespace dynmesh::server::mesh_opener_test {
 namespace {
 
-using Place = SharedJournal::Place;
+using Located = SharedJournal::Located;
 using Result = absl::StatusOr<MeshOpener::HostPtr>;
 
-// Answers Locate with the places in turn, the last one again and again.
+// Answers Locate with these in turn, the last one again and again.
 class ScriptedJournal final : public SharedJournal {
  public:
   absl::Duration lease() const override { return lease_; }
@@ -30,16 +30,16 @@ class ScriptedJournal final : public SharedJournal {
   }
   absl::Status GiveUp() override { return absl::OkStatus(); }
   absl::StatusOr<std::vector<std::string>> LiveNodes() override { return nodes_; }
-  absl::StatusOr<Place> Locate(const std::string&) override {
+  absl::StatusOr<Located> Locate(const std::string&) override {
     ++looked_;
     if (silent_ != nullptr) silent_->wait();
     const std::lock_guard lock(mutex_);
-    const absl::StatusOr<Place> next = places_.front();
-    if (places_.size() > 1) places_.pop_front();
+    const absl::StatusOr<Located> next = answers_.front();
+    if (answers_.size() > 1) answers_.pop_front();
     return next;
   }
-  absl::StatusOr<std::vector<Place>> LocateAll(const std::string&, std::size_t) override {
-    return std::vector<Place>();
+  absl::StatusOr<std::vector<Located>> LocateAll(const std::string&, std::size_t) override {
+    return std::vector<Located>();
   }
   std::int64_t EpochOf(Journal::Key) override { return 1; }
   absl::StatusOr<std::vector<Tail>> ReadTails(const std::vector<Position>&) override {
@@ -55,7 +55,7 @@ class ScriptedJournal final : public SharedJournal {
   absl::Duration lease_ = absl::Hours(1);
   std::vector<std::string> nodes_ = {"here:1", "there:1"};
   std::mutex mutex_;
-  std::deque<absl::StatusOr<Place>> places_;
+  std::deque<absl::StatusOr<Located>> answers_;
   std::atomic<int> looked_{0};
   std::shared_future<void>* silent_ = nullptr;  // answers after it
 };
@@ -64,14 +64,14 @@ class MeshOpenerTest : public ::testing::Test {
  protected:
   MeshOpenerTest() { EXPECT_TRUE(SetLogLevel("off").ok()); }
 
-  static Place Held(absl::Duration left) {
-    Place place;
-    place.address = "other:1";
-    place.epoch = 7;
-    place.left = left;
-    return place;
+  static Located Held(absl::Duration left) {
+    Located located;
+    located.address = "other:1";
+    located.epoch = 7;
+    located.left = left;
+    return located;
   }
-  static Place Free() { return Held(absl::ZeroDuration()); }
+  static Located Free() { return Held(absl::ZeroDuration()); }
   static Asking Follows(int redirects) {
     Asking asking;
     asking.redirects = redirects;
@@ -124,19 +124,19 @@ class MeshOpenerTest : public ::testing::Test {
 };
 
 TEST_F(MeshOpenerTest, AMeshThatDoesNotExistIsNotFound) {
-  journal_.places_ = {NoSuchMesh()};
+  journal_.answers_ = {NoSuchMesh()};
   EXPECT_EQ(Text(Open()), "MESH_NOT_FOUND");
 }
 
 TEST_F(MeshOpenerTest, ADatabaseThatDoesNotAnswerIsToldAndMayBeAskedAgain) {
-  journal_.places_ = {absl::UnavailableError("no connection")};
+  journal_.answers_ = {absl::UnavailableError("no connection")};
   const Result failed = Open();
   EXPECT_EQ(Text(failed), "JOURNAL_FAILED");
   EXPECT_TRUE(codec::GetServiceError(failed.status())->retry_after.has_value());
 }
 
 TEST_F(MeshOpenerTest, ADatabaseThatDoesNotAnswerIsToldToAllThatWait) {
-  journal_.places_ = {absl::UnavailableError("no connection")};
+  journal_.answers_ = {absl::UnavailableError("no connection")};
   std::promise<void> answers;
   std::shared_future<void> silent = answers.get_future().share();
   journal_.silent_ = &silent;
@@ -154,12 +154,12 @@ TEST_F(MeshOpenerTest, ADatabaseThatDoesNotAnswerIsToldToAllThatWait) {
   }
   // Those under way at that time, not one for each mesh.
   EXPECT_LE(journal_.looked_, 2 * 4);
-  journal_.places_ = {NoSuchMesh()};
+  journal_.answers_ = {NoSuchMesh()};
   EXPECT_EQ(Text(Open()), "MESH_NOT_FOUND");  // asked again
 }
 
 TEST_F(MeshOpenerTest, AnOwnerThatRenewsIsNamed) {
-  journal_.places_ = {Held(absl::Minutes(50))};
+  journal_.answers_ = {Held(absl::Minutes(50))};
   EXPECT_EQ(Text(Open()), "NOT_OWNER other:1 7");
   EXPECT_EQ(Text(Open(Follows(5))), "NOT_OWNER other:1 7");
   EXPECT_EQ(loads_, 0);
@@ -167,7 +167,7 @@ TEST_F(MeshOpenerTest, AnOwnerThatRenewsIsNamed) {
 
 TEST_F(MeshOpenerTest, AFreeMeshIsOpenedWhereItIsPlacedUnlessTheClientDoesNotGo) {
   const std::string id = PlacedThere();
-  journal_.places_ = {Free()};
+  journal_.answers_ = {Free()};
   EXPECT_EQ(Text(Open(Follows(0), id)), "NOT_OWNER there:1 7");
   EXPECT_EQ(Text(Open(Follows(1), id)), "NOT_OWNER there:1 7");
   EXPECT_EQ(loads_, 0);
@@ -176,30 +176,30 @@ TEST_F(MeshOpenerTest, AFreeMeshIsOpenedWhereItIsPlacedUnlessTheClientDoesNotGo)
   EXPECT_EQ(loads_, 2);
   journal_.nodes_ = {"here:1"};
   EXPECT_EQ(Text(Open(Follows(0), id)), "open");
-  Place mine = Held(absl::Hours(1));
+  Located mine = Held(absl::Hours(1));
   mine.is_mine = true;
   journal_.nodes_ = {"there:1"};
-  journal_.places_ = {mine};
+  journal_.answers_ = {mine};
   EXPECT_EQ(Text(Open(Follows(0), id)), "open") << "it has it, by the database";
 }
 
 TEST_F(MeshOpenerTest, AnOwnerThatMissedARenewalIsWaitedFor) {
   journal_.lease_ = absl::Milliseconds(50);
-  journal_.places_ = {Held(absl::Milliseconds(10)), Held(absl::Milliseconds(1)), Free()};
+  journal_.answers_ = {Held(absl::Milliseconds(10)), Held(absl::Milliseconds(1)), Free()};
   journal_.nodes_ = {"here:1"};
   EXPECT_EQ(Text(Open(Follows(0))), "open");
   EXPECT_EQ(journal_.looked_, 3);
-  journal_.places_ = {Held(absl::Milliseconds(10)), Held(absl::Milliseconds(50))};
+  journal_.answers_ = {Held(absl::Milliseconds(10)), Held(absl::Milliseconds(50))};
   EXPECT_EQ(Text(Open(Follows(0))), "NOT_OWNER other:1 7") << "it renewed";
 }
 
 TEST_F(MeshOpenerTest, AClaimThatAnotherNodeWasGrantedLeadsThere) {
   journal_.nodes_ = {"here:1"};
-  journal_.places_ = {Free(), Held(absl::Hours(1))};
+  journal_.answers_ = {Free(), Held(absl::Hours(1))};
   loaded_ = {absl::AbortedError("lost")};
   EXPECT_EQ(Text(Open()), "NOT_OWNER other:1 7");
   // Each time free, and each time lost: it ends.
-  journal_.places_ = {Free()};
+  journal_.answers_ = {Free()};
   loaded_.assign(100, absl::AbortedError("lost"));
   EXPECT_EQ(Text(Open()), "NOT_OWNER");
   EXPECT_LT(loads_, 10);
@@ -207,7 +207,7 @@ TEST_F(MeshOpenerTest, AClaimThatAnotherNodeWasGrantedLeadsThere) {
 
 TEST_F(MeshOpenerTest, AllCallsOfAMeshShareOneLoadAndNoneWaitsBeyondItsDeadline) {
   journal_.nodes_ = {"here:1"};
-  journal_.places_ = {Free()};
+  journal_.answers_ = {Free()};
   std::promise<void> hold;
   hold_ = &hold;
   constexpr int kCalls = 20;
@@ -227,7 +227,7 @@ TEST_F(MeshOpenerTest, AllCallsOfAMeshShareOneLoadAndNoneWaitsBeyondItsDeadline)
 
 TEST_F(MeshOpenerTest, ItsEndAnswersAllThatWait) {
   journal_.lease_ = absl::Hours(1);
-  journal_.places_ = {Held(absl::Minutes(10))};
+  journal_.answers_ = {Held(absl::Minutes(10))};
   std::promise<Result> waits;
   Opener().Open("m", {}, [&](Result r) { waits.set_value(std::move(r)); });
   opener_->Close(absl::CancelledError("the end"));
@@ -238,24 +238,24 @@ TEST_F(MeshOpenerTest, ItsEndAnswersAllThatWait) {
 }
 
 TEST_F(MeshOpenerTest, AFreeMeshGoesToANodeThatFollowsIt) {
-  Place place = Free();
-  place.followers = {"third:1"};
+  Located located = Free();
+  located.followers = {"third:1"};
   journal_.nodes_ = {"here:1", "third:1"};
-  journal_.places_ = {place};
+  journal_.answers_ = {located};
   for (const char* id : {"m", "n", "o"}) {
     EXPECT_EQ(Text(Open(Follows(0), id)), "NOT_OWNER third:1 7") << "wherever it is placed";
   }
   EXPECT_EQ(loads_, 0);
   // A call that stays here waits until that node has claimed it.
-  journal_.places_ = {place, place, Held(absl::Hours(1))};
+  journal_.answers_ = {located, located, Held(absl::Hours(1))};
   EXPECT_EQ(Text(Open()), "NOT_OWNER other:1 7");
   EXPECT_EQ(loads_, 0);
   // But not for ever.
-  journal_.places_ = {place};
+  journal_.answers_ = {located};
   EXPECT_EQ(Text(Open()), "open");
   EXPECT_EQ(loads_, 1);
-  place.followers = {"here:1", "third:1"};
-  journal_.places_ = {place};
+  located.followers = {"here:1", "third:1"};
+  journal_.answers_ = {located};
   const int looked = journal_.looked_;
   EXPECT_EQ(Text(Open()), "open");
   EXPECT_EQ(journal_.looked_, looked + 1) << "at once: it follows the mesh itself";
