@@ -7,6 +7,7 @@
 
 #include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
+#include "core/meshing/shells.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -124,6 +125,15 @@ class ByNearestAxis {
   double least_ = INFINITY;
 };
 
+// 1 + the skew of a counterpart in direction w of a vertex in direction u.
+double SkewTowards(const Vector3& u, const Vector3& w) {
+  const Vector3 across = geometry::Cross(u, w);
+  const double u2 = Dot(u, u), w2 = Dot(w, w), length = std::sqrt(w2);
+  Vector3 towards = w;
+  for (double& x : towards) x /= length;
+  return 1 + SkewOfCounterpart(towards, std::sqrt(Dot(across, across) / (u2 * w2)));
+}
+
 bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
   if (v.is_counterpart || v.apex == corner) return true;
   if (v.facet == nullptr) {
@@ -232,8 +242,10 @@ std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, cons
   ForEachCommonCorner(v, to, [&](VertexIndex corner) {
     const Point3& at = to.PositionOf(corner);
     const Vector3 u = Difference(v.p.c, at.c), w = Difference(nearest.c, at.c);
-    const double u2 = Dot(u, u), scale = std::sqrt(u2 / Dot(w, w));
+    const double u2 = Dot(u, u), w2 = Dot(w, w);
+    double scale = std::sqrt(u2 / w2);
     if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return;
+    if (v.apex == corner) scale = v.distance * SkewTowards(u, w) / std::sqrt(w2);
     Counterpart x{{}, {corner, corner}};
     for (int k = 0; k < 3; ++k) x.p[k] = at[k] + scale * w[static_cast<std::size_t>(k)];
     best.Offer(x, u2);

@@ -87,12 +87,13 @@ namespace {
 // subsegment whose split made it, which was at most four times as long. So 2^-e = s^2 / 16 would
 // do; this is an eighth of that, and at most a millionth. It is a power of two, so that it seldom
 // changes with s.
-std::uint8_t SkewExponent(const WedgeEnd& end) {
+std::uint8_t SkewExponent(double sine) {
   constexpr int kLeast = 20, kMost = 40;
-  if (!end.acute || !Counts(RefinementTerm::kSkewedShells)) return 0;
+  if (!Counts(RefinementTerm::kSkewedShells)) return 0;
   return static_cast<std::uint8_t>(
-      std::clamp(7 - std::ilogb(end.sine * end.sine * kNarrower), kLeast, kMost));
+      std::clamp(7 - std::ilogb(sine * sine * kNarrower), kLeast, kMost));
 }
+std::uint8_t SkewExponent(const WedgeEnd& end) { return end.acute ? SkewExponent(end.sine) : 0; }
 
 }  // namespace
 
@@ -160,6 +161,11 @@ double WaveOf(const std::array<double, 3>& u) {
   constexpr std::array<double, 3> kWaves = {1021.3762, 1453.0917, 1279.6481};
   const double at = Dot(u, kWaves);
   return 4 * std::fabs(at - std::nearbyint(at)) - 1;
+}
+
+double SkewOfCounterpart(const std::array<double, 3>& u, double sine) {
+  const int exponent = SkewExponent(std::max(sine, 0x1p-20));
+  return exponent == 0 ? 0 : std::ldexp(WaveOf(u), -exponent);
 }
 
 double SplitDistance(const SplitRule& rule) {

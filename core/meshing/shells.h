@@ -104,6 +104,10 @@ double SkewOf(const SplitRule& rule, const geometry::Point<D>& apex,
   return std::ldexp(WaveOf(u) * std::fabs(rule.at_b - rule.at_a), -exponent);
 }
 
+// 3D. The same for a counterpart (sharp_facets.h) in direction `u` from the apex, which is at an
+// angle of that sine from its vertex: in units of its distance from the apex.
+double SkewOfCounterpart(const std::array<double, 3>& u, double sine);
+
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 template <int D>
 geometry::Point<D> PointAt(const geometry::Point<D>& a, const geometry::Point<D>& b, double length,

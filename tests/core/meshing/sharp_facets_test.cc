@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -201,6 +203,38 @@ TEST(SharpFacets, AMovedPlaceIsAsFarFromTheCorner) {
     EXPECT_NEAR(x->p[0] * v.p[1] - x->p[1] * v.p[0], 0, 1e-15);
   }
   EXPECT_GT(found, 500);
+}
+
+// Vertices on two shells, and counterparts of them in one direction, are no trapezoid.
+TEST(SharpFacets, ACounterpartIsBesideAShellByItsOwnSkew) {
+  constexpr std::uint64_t kSeed = 8;
+  test::Random random(kSeed);
+  const std::vector<Point3> points = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}};
+  const Facet f = Triangle(points, 0, 1, 2, 10);
+  int beside = 0;
+  for (int i = 0; i < 1000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const double at = (20 + 50 * random.Unit()) * kDegree;
+    const double up = std::pow(10, -4 * random.Unit()), skew = 1 + 0x1p-40 * random.Unit();
+    const Point3 end = {{std::cos(up) * std::cos(at), std::cos(up) * std::sin(at), std::sin(up)}};
+    std::array<double, 2> parts = {0.5, 0.25};
+    for (double& part : parts) {
+      OwnedVertex v;
+      for (int k = 0; k < 3; ++k) v.p[k] = part * skew * end[k];
+      v.ends = {0, 7};
+      v.positions = {points[0], end};
+      v.apex = 0;
+      v.distance = part;
+      const auto x = MovedInto(f, v, {{v.p[0], v.p[1], 0}});
+      ASSERT_TRUE(x);
+      part = std::sqrt(SquaredDistance(x->p, points[0])) / part - 1;
+    }
+    const double most = std::min(0x1p-20, std::sin(up) * std::sin(up) / 100);
+    EXPECT_LE(std::fabs(parts[0]), most + 1e-15);
+    EXPECT_NEAR(parts[0], parts[1], 1e-15);
+    beside += std::fabs(parts[0]) > most / 100;
+  }
+  EXPECT_GT(beside, 900);
 }
 
 TEST(SharpFacets, AnEdgeInTheFacetsOwnDirectionDoesNotLean) {
