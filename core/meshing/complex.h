@@ -13,7 +13,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,12 +95,6 @@ struct Complex {
   // The ends of the input segment that v, of containing dimension 1, lies on.
   Facet::Edge SegmentOf(VertexIndex v) const;
   bool IsOnFacet(VertexIndex v, const Facet& facet) const;
-  // The shell on which v lies, if a split put it there (shells.h), or as a counterpart.
-  struct Shell {
-    VertexIndex apex;
-    double distance;  // from the apex, without skew
-  };
-  std::optional<Shell> ShellOf(VertexIndex v) const;
   // Calls f(facet) for the facets with v inside, on an edge or at a corner.
   template <class F>
   void ForEachFacetOf(VertexIndex v, F f) const;
@@ -173,8 +166,10 @@ struct Complex {
  private:
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
-  // The subsegment that was split on a shell where v is, or what v is the counterpart of; null if
-  // there is none. ApexOf: of the shell. TowardsOf: the segment's other end, or v.
+  // What v is the counterpart of, and that of, and so on. v if it is no counterpart.
+  VertexIndex OriginOf(VertexIndex v) const;
+  // The subsegment that was split on a shell at v or its origin; null if there is none. ApexOf: of
+  // the shell. TowardsOf: the segment's other end, or v.
   const Subsegment* SplitOnShell(VertexIndex v) const;
   VertexIndex ApexOf(const Subsegment& split) const {
     return split.split_rule.from_b ? split.whole_b : split.whole_a;
@@ -267,13 +262,12 @@ bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
 
 template <int D, template <class> class E>
 const Subsegment<D>* Complex<D, E>::SplitOnShell(VertexIndex v) const {
-  VertexIndex of = v;
-  while (IsCounterpart(of)) of = elements.origin(of).of;
-  if (vertex(of).dimension != 1) return nullptr;
-  const Subsegment& s = SplitAt(of);
+  const VertexIndex origin = OriginOf(v);
+  if (vertex(origin).dimension != 1) return nullptr;
+  const Subsegment& s = SplitAt(origin);
   if (s.split_rule.kind != SplitRule::Kind::kShells) return nullptr;
   const VertexIndex apex = ApexOf(s);
-  for (of = v; IsCounterpart(of); of = elements.origin(of).of) {
+  for (VertexIndex of = v; IsCounterpart(of); of = elements.origin(of).of) {
     if (!std::ranges::count(elements.origin(of).axis, apex)) return nullptr;
   }
   return &s;
@@ -285,10 +279,9 @@ const geometry::Point<D>& Complex<D, E>::TowardsOf(VertexIndex v, const Subsegme
 }
 
 template <int D, template <class> class E>
-std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
-  const Subsegment* split = SplitOnShell(v);
-  if (split == nullptr) return std::nullopt;
-  return Shell{ApexOf(*split), SplitDistance(split->split_rule)};
+VertexIndex Complex<D, E>::OriginOf(VertexIndex v) const {
+  while (IsCounterpart(v)) v = elements.origin(v).of;
+  return v;
 }
 
 template <int D, template <class> class E>
@@ -325,9 +318,9 @@ OwnedVertex Complex<D, E>::OwnedVertexOf(VertexIndex v) const {
       owned.positions = {vertex(a).p, vertex(b).p};
     }
     owned.is_counterpart = IsCounterpart(v);
-    if (const auto shell = ShellOf(v)) {
-      owned.apex = shell->apex;
-      owned.distance = shell->distance;
+    if (const Subsegment* split = SplitOnShell(v)) {
+      owned.apex = ApexOf(*split);
+      owned.origin = vertex(OriginOf(v)).p;
     }
   }
   return owned;

@@ -104,9 +104,10 @@ double SkewOf(const SplitRule& rule, const geometry::Point<D>& apex,
   return std::ldexp(WaveOf(u) * std::fabs(rule.at_b - rule.at_a), -exponent);
 }
 
-// 3D. The same for a counterpart (sharp_facets.h) in direction `u` from the apex, which is at an
-// angle of that sine from its vertex: in units of its distance from the apex.
-double SkewOfCounterpart(const std::array<double, 3>& u, double sine);
+// 3D. How much nearer to the apex a counterpart (sharp_facets.h) is than the vertex of a segment
+// that it comes from, in units of the vertex's distance; of the angle between them the sine's
+// square. 0 for the least angles.
+double SkewOfCounterpart(double squared_sine);
 
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 template <int D>
