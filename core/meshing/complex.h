@@ -13,7 +13,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,13 +95,6 @@ struct Complex {
   // The ends of the input segment that v, of containing dimension 1, lies on.
   Facet::Edge SegmentOf(VertexIndex v) const;
   bool IsOnFacet(VertexIndex v, const Facet& facet) const;
-  // The shell on which v lies, if a split put it there (shells.h), or as a counterpart.
-  struct Shell {
-    VertexIndex apex;
-    double distance;  // from the apex
-    Point towards;    // the segment's other end, or v
-  };
-  std::optional<Shell> ShellOf(VertexIndex v) const;
   // Calls f(facet) for the facets with v inside, on an edge or at a corner.
   template <class F>
   void ForEachFacetOf(VertexIndex v, F f) const;
@@ -174,6 +166,15 @@ struct Complex {
  private:
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   bool AreOnOneShell(VertexIndex v, VertexIndex u) const;
+  // What v is the counterpart of, and that of, and so on. v if it is no counterpart.
+  VertexIndex OriginOf(VertexIndex v) const;
+  // The subsegment that was split on a shell at v or its origin; null if there is none. ApexOf: of
+  // the shell. TowardsOf: the segment's other end, or v.
+  const Subsegment* SplitOnShell(VertexIndex v) const;
+  VertexIndex ApexOf(const Subsegment& split) const {
+    return split.split_rule.from_b ? split.whole_b : split.whole_a;
+  }
+  const Point& TowardsOf(VertexIndex v, const Subsegment& split) const;
   bool HaveOneOrigin(VertexIndex v, VertexIndex u) const;
   bool IsCounterpart(VertexIndex v) const { return elements.origin(v).of != kNil; }
   bool HasAxis(VertexIndex v) const { return elements.origin(v).axis != kNoAxis; }
@@ -260,20 +261,27 @@ bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
 }
 
 template <int D, template <class> class E>
-std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
-  if (IsCounterpart(v)) {
-    const Origin& origin = elements.origin(v);
-    std::optional<Shell> shell = ShellOf(origin.of);
-    if (!shell || !std::ranges::count(origin.axis, shell->apex)) return std::nullopt;
-    shell->towards = vertex(v).p;
-    return shell;
+const Subsegment<D>* Complex<D, E>::SplitOnShell(VertexIndex v) const {
+  const VertexIndex origin = OriginOf(v);
+  if (vertex(origin).dimension != 1) return nullptr;
+  const Subsegment& s = SplitAt(origin);
+  if (s.split_rule.kind != SplitRule::Kind::kShells) return nullptr;
+  const VertexIndex apex = ApexOf(s);
+  for (VertexIndex of = v; IsCounterpart(of); of = elements.origin(of).of) {
+    if (!std::ranges::count(elements.origin(of).axis, apex)) return nullptr;
   }
-  if (vertex(v).dimension != 1) return std::nullopt;
-  const Subsegment& s = SplitAt(v);
-  if (s.split_rule.kind != SplitRule::Kind::kShells) return std::nullopt;
-  const bool from_b = s.split_rule.from_b;
-  return Shell{from_b ? s.whole_b : s.whole_a, SplitDistance(s.split_rule),
-               vertex(from_b ? s.whole_a : s.whole_b).p};
+  return &s;
+}
+
+template <int D, template <class> class E>
+const geometry::Point<D>& Complex<D, E>::TowardsOf(VertexIndex v, const Subsegment& split) const {
+  return vertex(IsCounterpart(v) ? v : split.split_rule.from_b ? split.whole_a : split.whole_b).p;
+}
+
+template <int D, template <class> class E>
+VertexIndex Complex<D, E>::OriginOf(VertexIndex v) const {
+  while (IsCounterpart(v)) v = elements.origin(v).of;
+  return v;
 }
 
 template <int D, template <class> class E>
@@ -310,7 +318,10 @@ OwnedVertex Complex<D, E>::OwnedVertexOf(VertexIndex v) const {
       owned.positions = {vertex(a).p, vertex(b).p};
     }
     owned.is_counterpart = IsCounterpart(v);
-    if (const auto shell = ShellOf(v)) owned.apex = shell->apex;
+    if (const Subsegment* split = SplitOnShell(v)) {
+      owned.apex = ApexOf(*split);
+      owned.origin = vertex(OriginOf(v)).p;
+    }
   }
   return owned;
 }
@@ -364,10 +375,11 @@ bool Complex<D, E>::AreOnOneShell(VertexIndex v, VertexIndex u) const {
     return vertex(w).dimension == 1 || IsCounterpart(w);
   };
   if (!may_be(v) || !may_be(u)) return false;
-  const auto of_v = ShellOf(v), of_u = ShellOf(u);
-  return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
-         of_v->towards != of_u->towards &&
-         geometry::IsSmallAngle(vertex(of_v->apex).p, of_v->towards, of_u->towards);
+  const Subsegment *of_v = SplitOnShell(v), *of_u = SplitOnShell(u);
+  if (of_v == nullptr || of_u == nullptr || ApexOf(*of_v) != ApexOf(*of_u)) return false;
+  const Point &to_v = TowardsOf(v, *of_v), &to_u = TowardsOf(u, *of_u);
+  return to_v != to_u && geometry::IsSmallAngle(vertex(ApexOf(*of_v)).p, to_v, to_u) &&
+         SplitDistance(of_v->split_rule) == SplitDistance(of_u->split_rule);
 }
 
 template <int D, template <class> class E>

@@ -2,7 +2,9 @@
 // each sliver gets a Steiner point: the first of a fixed list of candidates such that
 //   all tetrahedra around it would be good: they reach the bound and keep rho and sizes, and
 //   facets and subsegments stay whole.
-// If there is none, the sliver stays.
+// If there is none, the sliver stays. The first candidates are tried strictly at first: no small
+// angle around the point has an excuse. An exempt sliver gets no other point: it would be exchanged
+// for others of its kind.
 //
 // A point makes no sliver and unmakes at least one, so cures end, whatever the input. The slivers
 // are those of the triangulation of refinement's vertices (sliver_table.h). Each is an item, in the
@@ -104,9 +106,12 @@ class CureWork {
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
   // good tetrahedra. Returns whether vertices of cures are in it.
   bool MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
-  bool IsSliver(const std::array<VertexIndex, 4>& v, const std::array<Point, 4>& p) const {
-    return complex_.slivers.IsSliver(
-        v, p, [this](VertexIndex a, VertexIndex b) { return complex_.IsSeditious(a, b); });
+  bool IsSliver(const std::array<VertexIndex, 4>& v, const std::array<Point, 4>& p) {
+    return complex_.slivers.IsSliver(v, p, [this](VertexIndex a, VertexIndex b) {
+      if (!complex_.IsSeditious(a, b)) return false;
+      met_excuse_ = true;
+      return !is_strict_;
+    });
   }
   // Is the tetrahedron of x and three vertices too short or too large? `ball_of()`: its
   // circumscribed ball, seen from x.
@@ -114,7 +119,7 @@ class CureWork {
   bool IsTooShortOrLarge(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
                          const Point& x, const Sliver& sliver, BallOf ball_of) const;
   // True if the tetrahedron at corner i of the star is good.
-  bool IsGoodCorner(int i, const Sliver& sliver) const;
+  bool IsGoodCorner(int i, const Sliver& sliver);
   void AddCornerTo(Reads* reads, const Sliver& sliver, int i) const;
 
   const Complex<D, E>& complex_;
@@ -128,7 +133,9 @@ class CureWork {
   std::vector<typename SpatialTree<D>::Ball> balls_;
   // Of the cure at work.
   RefusingFacets refusing_;
-  int asked_ = 0;  // how often Encroaches was
+  int asked_ = 0;            // how often Encroaches was
+  bool is_strict_ = false;   // excused edges do not count as such
+  bool met_excuse_ = false;  // there was one
   std::vector<SubsegmentIndex> near_segments_;
   // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
   // the first vertex that was not yet there.
@@ -162,8 +169,16 @@ void CureWork<D, E>::Run(Context& context) {
         emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
         return true;
       };
-      const CandidatesTried tried = ForEachCandidate(complex_, sliver, emit_if_good);
-      if (!tried.found && tried.are_all && round + 1 < kCureRounds) {
+      is_strict_ = true;
+      met_excuse_ = false;
+      CandidatesTried tried = {AnyFreeCandidate(sliver, 0, kFirstNotStrict, emit_if_good)};
+      if (!tried.found && !sliver.is_exempt) {
+        is_strict_ = false;
+        const std::uint32_t first = met_excuse_ ? 0 : kFirstNotStrict;
+        tried = ForEachCandidate(complex_, sliver, first, emit_if_good);
+      }
+      const bool goes_on = !tried.found && tried.are_all && !sliver.is_exempt;
+      if (goes_on && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
         if constexpr (!kTraced) {
           failed_[context.item] = {reads.reach, complex_.elements.vertex_end()};
@@ -409,7 +424,7 @@ bool CureWork<D, E>::IsTooShortOrLarge(const std::array<VertexIndex, 3>& v,
 }
 
 template <int D, template <class> class E>
-bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
+bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) {
   if constexpr (D == 3) {
     const auto& corner = star_.corner(i);
     const Point& x = star_.position();

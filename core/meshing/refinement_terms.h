@@ -49,6 +49,7 @@ enum class RefinementTerm {
   kCureKeepsAngles,    // ... or have a small dihedral angle
   kCureKeepsFacets,    // a facet may be broken
   kCureKeepsSegments,  // a subsegment may be encroached on
+  kExemptAreCured,     // slivers at small angles of the input stay
   kCount,
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
+#include "core/meshing/shells.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -124,6 +125,26 @@ class ByNearestAxis {
   double least_ = INFINITY;
 };
 
+// The square of the sine of the angle between them.
+double SquaredSine(const Vector3& u, const Vector3& w) {
+  const Vector3 across = geometry::Cross(u, w);
+  return Dot(across, across) / (Dot(u, u) * Dot(w, w));
+}
+
+// How far from the corner a counterpart of v is, in direction w; v is in direction u, on a shell
+// about the corner. REQUIRES: `length` is that of u.
+//
+// Two counterparts of one vertex may be in directions much nearer to each other than to the vertex,
+// and differ in their parts by too much for that: then v's distance is copied.
+double DistanceOnShell(const OwnedVertex& v, const Point3& corner, const Vector3& u,
+                       const Vector3& w, double length) {
+  constexpr double kMostOff = 1.0 / 32;  // 1/2 would do
+  const Vector3 from = Difference(v.origin.c, corner.c);
+  const double skew = SkewOfCounterpart(SquaredSine(from, w));
+  const double distance = std::sqrt(Dot(from, from)) * (1 - skew);
+  return std::fabs(distance - length) <= kMostOff * SquaredSine(u, w) * length ? distance : length;
+}
+
 bool IsSharpAt(const OwnedVertex& v, const Facet& g, VertexIndex corner) {
   if (v.is_counterpart || v.apex == corner) return true;
   if (v.facet == nullptr) {
@@ -232,8 +253,10 @@ std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v, cons
   ForEachCommonCorner(v, to, [&](VertexIndex corner) {
     const Point3& at = to.PositionOf(corner);
     const Vector3 u = Difference(v.p.c, at.c), w = Difference(nearest.c, at.c);
-    const double u2 = Dot(u, u), scale = std::sqrt(u2 / Dot(w, w));
+    const double u2 = Dot(u, u), w2 = Dot(w, w);
+    double scale = std::sqrt(u2 / w2);
     if (!(Dot(u, w) * scale > kMostCosine * u2) || !IsSharpAt(v, to, corner)) return;
+    if (v.apex == corner) scale = DistanceOnShell(v, at, u, w, std::sqrt(u2)) / std::sqrt(w2);
     Counterpart x{{}, {corner, corner}};
     for (int k = 0; k < 3; ++k) x.p[k] = at[k] + scale * w[static_cast<std::size_t>(k)];
     best.Offer(x, u2);

@@ -10,6 +10,12 @@
 // of the place nearest to v. Then 1. holds, too, and no new distances from the corner come up. On
 // segments these are the shells of shells.h.
 //
+// The counterpart of a vertex of a segment is a tiny part of that distance nearer to the corner.
+// Else two vertices of the segment and their counterparts would be the corners of a trapezoid: on a
+// circle, so a flat tetrahedron. The part is so small beside the angle that 1. stays true. It is a
+// function of the segment's vertex and of the direction, for counterparts of counterparts, too. So
+// in the vertex's own direction there is the vertex, and 2. holds.
+//
 // An edge between vertices on two features that meet at a small angle is *seditious*, as between
 // segments (shells.h), if their distances from what is common are equal: it is as short as the
 // angle makes it.
@@ -37,6 +43,7 @@ struct OwnedVertex {
   std::array<geometry::Point3, 2> positions = {};
   // It is on a shell about this corner (shells.h), or a counterpart.
   VertexIndex apex = kNil;
+  geometry::Point3 origin = {};  // the segment's vertex on that shell: p, or what p comes from
   bool is_counterpart = false;
 };
 
@@ -47,9 +54,9 @@ struct Counterpart {
 // p, which is on the facet `own`, turned into the facet `to` about an edge that they have in common
 // at a small angle, the nearest one. Nothing if there is none, or if it would be outside of `to`.
 std::optional<Counterpart> TurnedInto(const Facet& to, const Facet& own, const geometry::Point3& p);
-// The place of `to` as far from the nearest common corner as v, in the direction of `nearest`, the
-// place of `to` nearest to v. Nothing if the features meet at no small angle in a corner, or if it
-// would be outside of `to`.
+// The place of `to` as far from the nearest common corner as v, up to that part, in the direction
+// of `nearest`, the place of `to` nearest to v. Nothing if the features meet at no small angle in a
+// corner, or if it would be outside of `to`.
 std::optional<Counterpart> MovedInto(const Facet& to, const OwnedVertex& v,
                                      const geometry::Point3& nearest);
 

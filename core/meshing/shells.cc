@@ -87,11 +87,12 @@ namespace {
 // subsegment whose split made it, which was at most four times as long. So 2^-e = s^2 / 16 would
 // do; this is an eighth of that, and at most a millionth. It is a power of two, so that it seldom
 // changes with s.
+constexpr int kLeastExponent = 20, kMostExponent = 40;
+int SkewExponent(double squared_sine) { return 7 - std::ilogb(squared_sine * kNarrower); }
 std::uint8_t SkewExponent(const WedgeEnd& end) {
-  constexpr int kLeast = 20, kMost = 40;
   if (!end.acute || !Counts(RefinementTerm::kSkewedShells)) return 0;
   return static_cast<std::uint8_t>(
-      std::clamp(7 - std::ilogb(end.sine * end.sine * kNarrower), kLeast, kMost));
+      std::clamp(SkewExponent(end.sine * end.sine), kLeastExponent, kMostExponent));
 }
 
 }  // namespace
@@ -160,6 +161,19 @@ double WaveOf(const std::array<double, 3>& u) {
   constexpr std::array<double, 3> kWaves = {1021.3762, 1453.0917, 1279.6481};
   const double at = Dot(u, kWaves);
   return 4 * std::fabs(at - std::nearbyint(at)) - 1;
+}
+
+// It is constant over ranges of the angle, so that two counterparts in nearly one direction mostly
+// have the same. Else it differs: two pairs of counterparts would be a trapezoid as well.
+double SkewOfCounterpart(double squared_sine) {
+  constexpr double kLeastCounted = 0x1p-33;
+  if (!(squared_sine > kLeastCounted) || !Counts(RefinementTerm::kSkewedShells)) return 0;
+  int exponent = 0;
+  const int eighths = static_cast<int>(8 * std::frexp(squared_sine * kNarrower, &exponent));
+  const double most = std::ldexp(eighths, exponent - 3 - 7);  // s^2 / 128, as above
+  // A millionth at most. From s^2 = 2^-13 to 1 there are 52 ranges; here they are numbered from 1.
+  const int steps = eighths - 3 + 4 * (exponent + 12);
+  return steps <= 0 ? most : std::ldexp(1 - steps / 64.0, -kLeastExponent);
 }
 
 double SplitDistance(const SplitRule& rule) {

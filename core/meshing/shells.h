@@ -104,6 +104,11 @@ double SkewOf(const SplitRule& rule, const geometry::Point<D>& apex,
   return std::ldexp(WaveOf(u) * std::fabs(rule.at_b - rule.at_a), -exponent);
 }
 
+// 3D. How much nearer to the apex a counterpart (sharp_facets.h) is than the vertex of a segment
+// that it comes from, in units of the vertex's distance; of the angle between them the sine's
+// square. 0 for the least angles.
+double SkewOfCounterpart(double squared_sine);
+
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 template <int D>
 geometry::Point<D> PointAt(const geometry::Point<D>& a, const geometry::Point<D>& b, double length,

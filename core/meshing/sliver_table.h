@@ -1,8 +1,8 @@
 // The slivers: tetrahedra of the refined mesh with a dihedral angle below the bound. Cure (cure.h)
 // works on them. An angle opposite to an excused edge does not count: that edge is as short as a
-// small angle of the input makes it (shells.h), and so is the angle.
-// A tetrahedron between counterparts (sharp_facets.h) may be flat by construction. It is not cured
-// either: between facets at 10 degrees half of such cures fail, and took 9 of 10 seconds.
+// small angle of the input makes it (shells.h), and so is the angle. A sliver by such angles alone
+// is *exempt*, and so is a tetrahedron between counterparts (sharp_facets.h), which may be flat by
+// construction. Exempt ones may stay, but most can be cured.
 //
 // *Base*: the triangulation of the vertices that refinement made, without those of cures. It is a
 // function of the vertex set, so it stands outside the trace. Between refinement and cures it is
@@ -48,6 +48,7 @@ struct Sliver {
   geometry::Vector3 normal = {};
   double shortest2 = 0;  // squared length of its shortest edge
   sac::OpId operations = sac::kNoOp;
+  bool is_exempt = false;
   bool is_there = false;    // in the base
   bool is_asked = false;    // a cure is requested
   bool is_touched = false;  // stands in the list of changes
@@ -73,8 +74,8 @@ class SliverTable {
 
   // The base is `whole`, which must not change while it is used; if is_to_change, a copy of it.
   // `interrupt` is called now and then; returns false if it returns true.
-  // is_excused(v, u): of an edge. is_flat(v): of a tetrahedron, by its corners; then it is not to
-  // be cured. Functions of the vertices.
+  // is_excused(v, u): of an edge. is_flat(v): of a tetrahedron, by its corners; then it is exempt.
+  // Functions of the vertices.
   bool Begin(const Base& whole, bool is_to_change, IsExcused is_excused, IsFlat is_flat,
              absl::FunctionRef<bool()> interrupt);
 

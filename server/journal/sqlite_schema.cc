@@ -49,6 +49,8 @@ constexpr char kTables[] = R"(
 // A step that changes no table, as for other bits of meshes, is an empty text.
 constexpr std::array<const char*, kJournalSchema - kFirstSchema> kSteps = {
     // Bits 8.
+    "",
+    // Bits 9.
     ""};
 static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
 constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps, "journal"};

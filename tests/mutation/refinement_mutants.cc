@@ -58,6 +58,7 @@ std::span<const Mutant> Mutants() {
       R(kCureKeepsAngles, "Dihedral.NoTetrahedron*"),
       R(kCureKeepsFacets, "All/PolygonHistory.*/MixtureCured10"),
       R(kCureKeepsSegments, kCures),
+      R(kExemptAreCured, "Dihedral.SliversAtSmallAngles*"),
   };
 #undef R
   return kAll;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -201,6 +203,96 @@ TEST(SharpFacets, AMovedPlaceIsAsFarFromTheCorner) {
     EXPECT_NEAR(x->p[0] * v.p[1] - x->p[1] * v.p[0], 0, 1e-15);
   }
   EXPECT_GT(found, 500);
+}
+
+double DistanceFrom0(const Point3& p) { return std::sqrt(SquaredDistance(p, {{0, 0, 0}})); }
+// In spherical coordinates.
+Point3 Towards(double at, double up) {
+  return {{std::cos(up) * std::cos(at), std::cos(up) * std::sin(at), std::sin(up)}};
+}
+// A vertex on the segment from the corner 0 in that direction, on a shell about the corner.
+OwnedVertex OnShell(const Point3& direction, double distance) {
+  OwnedVertex v;
+  for (int k = 0; k < 3; ++k) v.p[k] = distance * direction[k];
+  v.origin = v.p;
+  v.ends = {0, 7};
+  v.positions = {Point3{{0, 0, 0}}, direction};
+  v.apex = 0;
+  return v;
+}
+OwnedVertex CounterpartOf(const OwnedVertex& v, const Facet& facet, const Point3& p) {
+  OwnedVertex x;
+  x.p = p;
+  x.origin = v.origin;
+  x.facet = &facet;
+  x.apex = v.apex;
+  x.is_counterpart = true;
+  return x;
+}
+
+// Two vertices of a segment on shells about its end, and their counterparts, are no trapezoid.
+// Nevertheless each place of the facet is nearer to the counterpart than to the vertex. The
+// counterpart's own, in the vertex's direction, is the vertex: the facet `over` has the segment
+// inside.
+TEST(SharpFacets, ACounterpartIsBesideTheShellAndItsOwnIsTheVertex) {
+  constexpr std::uint64_t kSeed = 8;
+  test::Random random(kSeed);
+  for (int i = 0; i < 1000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const double at = (20 + 50 * random.Unit()) * kDegree;
+    const double up = std::pow(10, -4 * random.Unit());
+    const Point3 end = Towards(at, up), left = Towards(at + 0.1, up + 0.1);
+    const std::vector<Point3> points = {
+        {{0, 0, 0}},
+        {{1, 0, 0}},
+        {{0, 1, 0}},
+        left,
+        {{2 * end[0] - left[0], 2 * end[1] - left[1], 2 * end[2] - left[2]}}};
+    const Facet f = Triangle(points, 0, 1, 2, 10), over = Triangle(points, 0, 3, 4, 11);
+    std::array<double, 2> parts = {0.5, 0.25};
+    for (double& part : parts) {
+      const OwnedVertex v = OnShell(end, part * (1 + 0x1p-25 * random.Unit()));
+      const auto x = MovedInto(f, v, {{v.p[0], v.p[1], 0}});
+      ASSERT_TRUE(x);
+      const auto back = MovedInto(over, CounterpartOf(v, f, x->p), v.p);
+      ASSERT_TRUE(back);
+      EXPECT_NEAR(std::sqrt(SquaredDistance(back->p, v.p)), 0, 1e-15);
+      const Point3 place = PlaceIn(points, 1, 2, random);
+      EXPECT_LT(SquaredDistance(place, x->p), SquaredDistance(place, v.p));
+      part = 1 - DistanceFrom0(x->p) / DistanceFrom0(v.p);
+    }
+    const double most = std::sin(up) * std::sin(up) / 127;
+    EXPECT_LE(parts[0], std::min(0x1.001p-20, most + 1e-14));
+    EXPECT_GE(parts[0], std::min(0x0.2fp-20, 0.75 * most - 1e-14));
+    EXPECT_NEAR(parts[0], parts[1], 1e-14);
+  }
+}
+
+// A segment above two facets that are much nearer to each other: each place of the one is nearer to
+// the counterpart of a counterpart on the other than to that, and the next is the first again.
+TEST(SharpFacets, CounterpartsOfOneVertexAreOnOneShellOrFarFromEachOther) {
+  constexpr std::uint64_t kSeed = 9;
+  test::Random random(kSeed);
+  for (int i = 0; i < 1000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(i));
+    const double at = (20 + 50 * random.Unit()) * kDegree;
+    const double up = std::pow(10, -0.5 - 3.5 * random.Unit());
+    const double between = up * std::pow(10, -0.5 - 3 * random.Unit());
+    const std::vector<Point3> points = {
+        {{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, Towards(0, between), Towards(90 * kDegree, between)};
+    const Facet f = Triangle(points, 0, 1, 2, 10), g = Triangle(points, 0, 3, 4, 11);
+    const OwnedVertex v = OnShell(Towards(at, up), 0.5);
+    const auto on_f = MovedInto(f, v, f.plane().Foot(v.p));
+    ASSERT_TRUE(on_f);
+    const auto on_g = MovedInto(g, CounterpartOf(v, f, on_f->p), g.plane().Foot(on_f->p));
+    ASSERT_TRUE(on_g);
+    const double angle = std::sqrt(SquaredDistance(on_f->p, on_g->p)) / 0.5;
+    EXPECT_LE(std::fabs(DistanceFrom0(on_f->p) / DistanceFrom0(on_g->p) - 1),
+              angle * angle / 30 + 1e-15);
+    const auto back = MovedInto(f, CounterpartOf(v, g, on_g->p), on_f->p);
+    ASSERT_TRUE(back);
+    EXPECT_NEAR(std::sqrt(SquaredDistance(back->p, on_f->p)), 0, 1e-15);
+  }
 }
 
 TEST(SharpFacets, AnEdgeInTheFacetsOwnDirectionDoesNotLean) {
