@@ -11,12 +11,12 @@ namespace dynmesh {
 template <class Term>
 inline Term switched_off = Term::kCount;  // kCount: none
 template <class Term>
-inline bool Counts(Term term) {
+inline bool IsOn(Term term) {
   return term != switched_off<Term>;
 }
 #else
 template <class Term>
-constexpr bool Counts(Term) {
+constexpr bool IsOn(Term) {
   return true;
 }
 #endif

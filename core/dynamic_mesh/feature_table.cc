@@ -204,7 +204,7 @@ void FeatureTable<D>::UpdateSurfaces(const Delta& delta, const Sink& mesher) {
     for (const plc::FacetFeature& f : delta.added_facets) toggle(f);
     for (const SurfaceTable::Change& change : changes) {
       const Facet& facet = facets_.at(change.polygon);
-      if (!Counts(RegionTerm::kOthersFollow)) continue;
+      if (!IsOn(RegionTerm::kOthersFollow)) continue;
       resurfaced_facets_.push_back(facet.slot);
       std::vector<FeatureId> owners;
       std::set_symmetric_difference(change.before.begin(), change.before.end(),

@@ -14,8 +14,8 @@ namespace dynmesh {
 
 template <class Refinement>
 bool IsOverLimits(const Refinement& refinement, std::uint64_t most_vertices) {
-  return (Counts(LimitTerm::kVerticesEnd) && refinement.vertex_count() > most_vertices) ||
-         (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) || refinement.is_full();
+  return (IsOn(LimitTerm::kVerticesEnd) && refinement.vertex_count() > most_vertices) ||
+         (IsOn(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) || refinement.is_full();
 }
 
 inline absl::Status VertexLimitError(const MeshOptions& options) {
@@ -43,14 +43,14 @@ inline absl::Status SizeLimitError() {
 template <class Refinement>
 absl::Status LimitsStatus(const Refinement& refinement, const MeshOptions& options) {
   const Limits& limits = options.limits;
-  if (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) {
+  if (IsOn(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      "a segment would have to be halved more often than max_depth = " +
                          std::to_string(limits.max_depth) +
                          " allows; move the features that lie so close to it apart",
                      {reason::kDepthLimit, {}, {}});
   }
-  if (Counts(LimitTerm::kVerticesEnd) && refinement.vertex_count() > limits.max_vertices) {
+  if (IsOn(LimitTerm::kVerticesEnd) && refinement.vertex_count() > limits.max_vertices) {
     return VertexLimitError(options);
   }
   if (refinement.is_full()) return SizeLimitError();

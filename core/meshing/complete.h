@@ -109,7 +109,7 @@ void CompleteWork<D, E>::Fill(Context& context, Star<D>& star, const Link* link)
   // loop even if a wrong view violates this.
   while (!yielded && ordinal < kMostOutputs && FindNext(gaps, star, bucket, &gap)) {
     const auto encroached = search_.EncroachedBy(context, gap.x);
-    if (encroached.empty() || !Counts(RefinementTerm::kYields)) {
+    if (encroached.empty() || !IsOn(RefinementTerm::kYields)) {
       Insert(context, star, link, gap, ordinal++);
     } else if (MaySplitAll(encroached, gap, bucket, &kept_out)) {
       Yield(context, encroached);
@@ -128,7 +128,7 @@ template <class Gaps>
 bool CompleteWork<D, E>::FindNext(const Gaps& gaps, const Star<D>& star, int bucket,
                                   Candidate<D>* next) {
   *next = {};
-  if (facets_.is_needed() && Counts(RefinementTerm::kFacetsCovered) &&
+  if (facets_.is_needed() && IsOn(RefinementTerm::kFacetsCovered) &&
       facets_.FindPoint(star, skipped_, next)) {
     return true;
   }
@@ -142,7 +142,7 @@ bool CompleteWork<D, E>::FindNext(const Gaps& gaps, const Star<D>& star, int buc
 template <int D, template <class> class E>
 bool CompleteWork<D, E>::MaySplitAll(std::span<const Encroached> encroached,
                                      const Candidate<D>& gap, int bucket, bool* kept_out) {
-  const bool may_be_guarded = Counts(RefinementTerm::kGuardEnds) && !gap.required;
+  const bool may_be_guarded = IsOn(RefinementTerm::kGuardEnds) && !gap.required;
   const bool is_guarded = may_be_guarded && std::ranges::any_of(encroached, [&](const auto& e) {
                             return IsGuarded(complex_, complex_.subsegment(e.s), bucket);
                           });
@@ -164,7 +164,7 @@ void CompleteWork<D, E>::Yield(Context& context, std::span<const Encroached> enc
   for (const auto& e : encroached) {
     context.Request(kSplit, e.s, MakeEpoch(bucket, next_round, 0));
   }
-  if (!Counts(RefinementTerm::kRunsAgain)) return;
+  if (!IsOn(RefinementTerm::kRunsAgain)) return;
   context.Request(kComplete, context.item, MakeEpoch(bucket, next_round, kQualityStep));
 }
 

@@ -117,7 +117,7 @@ struct Complex {
   bool InDomain(const Point& p) const;
   // True if the ball is too large for a sizing region.
   bool IsTooLarge(const Point& centre, double r2) const {
-    return !sizing.empty() && Counts(RefinementTerm::kSizesCount) &&
+    return !sizing.empty() && IsOn(RefinementTerm::kSizesCount) &&
            r2 > rules.least_squared_length() && sizing.IsTooLarge(centre, std::sqrt(r2));
   }
 
@@ -328,7 +328,7 @@ OwnedVertex Complex<D, E>::OwnedVertexOf(VertexIndex v) const {
 
 template <int D, template <class> class E>
 bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
-  if (!Counts(RefinementTerm::kSeditiousIsExempt)) return false;
+  if (!IsOn(RefinementTerm::kSeditiousIsExempt)) return false;
   return HaveOneOrigin(v, u) || AreOnOneShell(v, u);
 }
 

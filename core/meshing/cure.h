@@ -228,7 +228,7 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     }
     const TriangulationOf<D>& base = complex_.slivers.base();
     if (!base.Conflicts(sliver.simplex, x)) return false;
-    const bool keeps_segments = Counts(RefinementTerm::kCureKeepsSegments);
+    const bool keeps_segments = IsOn(RefinementTerm::kCureKeepsSegments);
     // A trace tests segments last: its record of a candidate that encroaches is the whole star.
     if constexpr (!kTraced) {
       if (keeps_segments && Encroaches(context, sliver, x)) return false;
@@ -253,7 +253,7 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     }
     for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, sliver, i);
-    const bool keeps_facets = Counts(RefinementTerm::kCureKeepsFacets);
+    const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
     if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
     if constexpr (kTraced) {
       const bool encroaches = !search_.EncroachedBy(context, x).empty();
@@ -278,7 +278,7 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
       return *ball;
     };
     const bool is_bad = IsTooShortOrLarge(v, p, x, sliver, ball_of) ||
-                        (Counts(RefinementTerm::kCureKeepsAngles) &&
+                        (IsOn(RefinementTerm::kCureKeepsAngles) &&
                          IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
     if (!is_bad) return false;
     ball_of();
@@ -412,7 +412,7 @@ bool CureWork<D, E>::IsTooShortOrLarge(const std::array<VertexIndex, 3>& v,
       }
       return with_x;
     };
-    const bool keeps_quality = Counts(RefinementTerm::kCureKeepsQuality);
+    const bool keeps_quality = IsOn(RefinementTerm::kCureKeepsQuality);
     // No two points of a sphere are farther apart than its diameter.
     if (keeps_quality && is_too_far(0.25 * kNarrower * longest2)) return true;
     const geometry::Circumball ball = ball_of();
@@ -441,7 +441,7 @@ bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) {
       return ball;
     };
     return !IsTooShortOrLarge(v, p, x, sliver, ball_of) &&
-           !(Counts(RefinementTerm::kCureKeepsAngles) &&
+           !(IsOn(RefinementTerm::kCureKeepsAngles) &&
              IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
   }
   return false;

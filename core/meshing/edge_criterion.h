@@ -60,8 +60,8 @@ class EdgeCriterion {
   bool IsOpen() const;
   // True if the star's vertex owns its edge to u.
   [[gnu::always_inline]] inline bool Owns(VertexIndex u) const {
-    if (!Counts(RefinementTerm::kOlderDoesNot)) return true;
-    if (!Counts(RefinementTerm::kYoungerOwns)) return complex_.IsOlder(star_.vertex(), u);
+    if (!IsOn(RefinementTerm::kOlderDoesNot)) return true;
+    if (!IsOn(RefinementTerm::kYoungerOwns)) return complex_.IsOlder(star_.vertex(), u);
     return complex_.IsOlder(u, star_.vertex());
   }
 
@@ -80,11 +80,11 @@ bool EdgeCriterion<D, E>::Find(int bucket, Candidate<D>* best) const {
   for (int i = 0; i < star_.slot_count(); ++i) {
     const auto& u = star_[i];
     if (!IsInView<D>(u)) continue;
-    if (Counts(RefinementTerm::kShorterFirst) && BucketOf(u.d2) > bucket) continue;
-    if (!Counts(RefinementTerm::kShortestFirst) && found) continue;
+    if (IsOn(RefinementTerm::kShorterFirst) && BucketOf(u.d2) > bucket) continue;
+    if (!IsOn(RefinementTerm::kShortestFirst) && found) continue;
     if (found && u.d2 > best->e2) continue;
     if (!gaps.MayHave(u.d2) || !Owns(u.id) || !gaps.OfNeighbour(i, &gap)) continue;
-    if (!Counts(RefinementTerm::kTiesByPosition) && found && gap.e2 == best->e2) continue;
+    if (!IsOn(RefinementTerm::kTiesByPosition) && found && gap.e2 == best->e2) continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;

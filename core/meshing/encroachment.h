@@ -84,7 +84,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
         if (id == sub.a || id == sub.b || !context.Sees(complex_.vertex(id).birth)) return;
         const int sign = DiametralBallSign(a, b, q);
         if (sign < 0) {
-          if (!Counts(RefinementTerm::kInsideSplits)) return;
+          if (!IsOn(RefinementTerm::kInsideSplits)) return;
           witnesses_.assign(1, id);
           r2 = -1;  // one is enough
         } else if (sign == 0) {
@@ -98,7 +98,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
 // True if vertices on the surface of the subsegment's ball keep it out of the triangulation.
 template <int D, template <class> class E>
 bool EncroachmentSearch<D, E>::FindHiding(const Subsegment& sub) {
-  if (on_surface_.size() < 2 || !Counts(RefinementTerm::kHidingSplits)) return false;
+  if (on_surface_.size() < 2 || !IsOn(RefinementTerm::kHidingSplits)) return false;
   const Point &a = complex_.vertex(sub.a).p, &b = complex_.vertex(sub.b).p;
   if constexpr (D == 2) {
     for (const VertexIndex c : on_surface_) {
@@ -132,7 +132,7 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
     auto corner = first;
     bool is_edge = false;
     auto in_ball = [&](VertexIndex c) {
-      return c != TriangulationOf<D>::kInfinite && Counts(RefinementTerm::kInsideSplits) &&
+      return c != TriangulationOf<D>::kInfinite && IsOn(RefinementTerm::kInsideSplits) &&
              geometry::InDiametralBall(a, b, complex_.vertex(c).p);
     };
     do {
@@ -143,7 +143,7 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
       if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
       corner = complex_.run.triangulation().NextAround(corner);
     } while (corner.simplex != first.simplex);
-    return !is_edge && Counts(RefinementTerm::kHidingSplits);
+    return !is_edge && IsOn(RefinementTerm::kHidingSplits);
   }
   return false;
 }
@@ -169,7 +169,7 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
       if (!complex_.IsVisible(context, sub)) continue;
       const int sign = SignOf(sub, x);
       if (sign > 0) continue;
-      encroached_.push_back({s, sign < 0 || !Counts(RefinementTerm::kSurfaceRechecks)});
+      encroached_.push_back({s, sign < 0 || !IsOn(RefinementTerm::kSurfaceRechecks)});
     }
   });
   return encroached_;
@@ -178,7 +178,7 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
 template <int D, template <class> class E>
 int EncroachmentSearch<D, E>::SignOf(const Subsegment& sub, const Point& x) const {
   const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
-  return sign == 0 && !Counts(RefinementTerm::kSurfaceCounts) ? 1 : sign;
+  return sign == 0 && !IsOn(RefinementTerm::kSurfaceCounts) ? 1 : sign;
 }
 
 template <int D, template <class> class E>

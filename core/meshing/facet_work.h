@@ -171,7 +171,7 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
         return;
       }
       if (skipped.Has(cut->nearest, false) ||
-          (cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
+          (cut->touches && IsOn(RefinementTerm::kTouchingIsNoCut) &&
            !IsJoinedThrough(star, facet))) {
         return;
       }
@@ -328,7 +328,7 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
     const auto is_met = [&](const Facet& facet) {
       if (facet.feature() == on) return false;
       const auto cut = cut_.Of(facet);
-      if (!cut || (cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
+      if (!cut || (cut->touches && IsOn(RefinementTerm::kTouchingIsNoCut) &&
                    !IsJoinedThrough(star, facet))) {
         return false;
       }

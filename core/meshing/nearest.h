@@ -48,7 +48,7 @@ void NearestWork<D, E>::Run(Context& context) {
   const VertexIndex v = context.item;
   const Near nearest = Find(context, v);
   double d2 = nearest.d2;
-  if (facets_.is_needed() && Counts(RefinementTerm::kFacetIsNear)) d2 = facets_.Distance2(v, d2);
+  if (facets_.is_needed() && IsOn(RefinementTerm::kFacetIsNear)) d2 = facets_.Distance2(v, d2);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {

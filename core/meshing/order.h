@@ -13,7 +13,7 @@ namespace dynmesh::meshing {
 // Uniform.
 template <int D, template <class> class E>
 std::uint64_t Priority(const Complex<D, E>& complex, sac::Kind kind, sac::Item item) {
-  if (!Counts(RefinementTerm::kOrderByHash)) return item;
+  if (!IsOn(RefinementTerm::kOrderByHash)) return item;
   if (kind <= kComplete) return geometry::HashOf(complex.vertex(item).p);
   if (kind == kCure) return complex.slivers[item].hash;
   return Mix(complex.HashOf(complex.subsegment(item)) + kind);

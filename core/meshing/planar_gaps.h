@@ -43,7 +43,7 @@ class TriangleGaps {
                                        const Point2* d) const {
     const Gap gap = complex_.rules.GapOfEdge(p, q, e2, c, d);
     if (gap != Gap::kNone) return complex_.IsSeditious(v, u) ? Gap::kNone : gap;
-    return !complex_.sizing.empty() && Counts(RefinementTerm::kSizesCount) && c != nullptr
+    return !complex_.sizing.empty() && IsOn(RefinementTerm::kSizesCount) && c != nullptr
                ? OfSize(v, p, u, q, e2, w, *c)
                : Gap::kNone;
   }
@@ -87,8 +87,8 @@ class PlanarGaps {
   // True if the i-th edge of the star has a gap with room for a point. The left side is tested
   // first, seen from the edge's lesser end.
   bool OfNeighbour(int i, Candidate<2>* gap) const {
-    const bool left_first = (star_.position() < star_[i].p) == Counts(RefinementTerm::kLeftFirst);
-    if (!Counts(RefinementTerm::kBothSides)) return OnSide(i, left_first, gap);
+    const bool left_first = (star_.position() < star_[i].p) == IsOn(RefinementTerm::kLeftFirst);
+    if (!IsOn(RefinementTerm::kBothSides)) return OnSide(i, left_first, gap);
     return OnSide(i, left_first, gap) || OnSide(i, !left_first, gap);
   }
 

@@ -30,8 +30,8 @@ class PlanarRules : public CommonRules<2> {
     const double product = (px * px + py * py) * (qx * qx + qy * qy);
     if (!(product > skinny_[bucket] * cross * cross)) return Gap::kNone;
     if (!(px * qx + py * qy > 0)) return Gap::kNone;  // the centre lies beyond pq
-    if (!Counts(RefinementTerm::kNearerCenter)) return Gap::kOffCenter;
-    if (!Counts(RefinementTerm::kOffCenter)) return Gap::kCircumcenter;
+    if (!IsOn(RefinementTerm::kNearerCenter)) return Gap::kOffCenter;
+    if (!IsOn(RefinementTerm::kOffCenter)) return Gap::kCircumcenter;
     return product > off_center_ * cross * cross ? Gap::kOffCenter : Gap::kCircumcenter;
   }
 
@@ -42,7 +42,7 @@ class PlanarRules : public CommonRules<2> {
   bool BeginsBeyond(const geometry::Point2& p, const geometry::Point2& q,
                     const geometry::Point2& d) const {
     const double px = p[0] - d[0], py = p[1] - d[1], qx = q[0] - d[0], qy = q[1] - d[1];
-    if (!(px * qx + py * qy < 0) || !Counts(RefinementTerm::kPointFits)) return false;
+    if (!(px * qx + py * qy < 0) || !IsOn(RefinementTerm::kPointFits)) return false;
     const double cross = px * qy - py * qx;
     return (px * px + py * py) * (qx * qx + qy * qy) > off_center_ * cross * cross;
   }

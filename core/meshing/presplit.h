@@ -81,7 +81,7 @@ bool PresplitRules<D, E>::IsTooLong(const Subsegment& s, const SizingRegion<D>& 
 
 template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsTooLong(const Subsegment& s) const {
-  if (complex_.sizing.empty() || !Counts(RefinementTerm::kTooLongSplits)) return false;
+  if (complex_.sizing.empty() || !IsOn(RefinementTerm::kTooLongSplits)) return false;
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   return complex_.sizing.Any(geometry::Midpoint(a, b),
                              0.5 * std::sqrt(geometry::SquaredDistance(a, b)),
@@ -93,7 +93,7 @@ bool PresplitRules<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& 
                                     double d2) const {
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   const double length2 = geometry::SquaredDistance(a, b);
-  if (!Counts(RefinementTerm::kNearSplits)) return false;
+  if (!IsOn(RefinementTerm::kNearSplits)) return false;
   return 4 * d2 < length2 || 64 * geometry::SquaredDistance(a, b, feature.p, feature.q) < length2;
 }
 
@@ -128,7 +128,7 @@ template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const {
   bool found = false;
   if constexpr (D == 3) {
-    if (complex_.facets.empty() || !Counts(RefinementTerm::kNearFacetSplits)) return false;
+    if (complex_.facets.empty() || !IsOn(RefinementTerm::kNearFacetSplits)) return false;
     const Point middle = geometry::Midpoint(complex_.vertex(s.a).p, complex_.vertex(s.b).p);
     double least2 = FacetReach2(s);
     if (is_near) least2 = std::min(least2, *d2);

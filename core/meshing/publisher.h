@@ -70,7 +70,7 @@ bool Publisher<D, E>::Publish(sac::Output output, sac::Stamp at, std::uint32_t t
       notifier_.OfSubsegment(i, at, old);
       if constexpr (!kTraced) HideSubsegment(i);  // no later operation reads it
       if constexpr (kTraced) {
-        if (Counts(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+        if (IsOn(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
       break;
     }
@@ -103,7 +103,7 @@ void Publisher<D, E>::Withdraw(sac::Output output, sac::Stamp at) {
       complex_.elements.MarkSubsegmentChanged(i);
       notifier_.OfSubsegment(i, at, s.death);
       if constexpr (kTraced) {
-        if (Counts(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+        if (IsOn(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
       break;
     }

@@ -45,13 +45,13 @@ class ReadFilter {
   bool BallMatters(sac::OpId op, const Point& middle, double radius) const {
     // The candidate was in one of the balls read.
     const double far = std::sqrt(engine_.payload(op).radius2) + radius;
-    return Counts(FilterTerm::kOverYieldedCandidate) &&
+    return IsOn(FilterTerm::kOverYieldedCandidate) &&
            geometry::SquaredDistance(CentreOfReads(op), middle) <= far * far;
   }
   // A subsegment from a to b changes, and `op` made a vertex at x, near its ball.
   bool BallOverOutputMatters(sac::OpId op, const Point& a, const Point& b, const Point& x) const {
     const bool is_steiner = engine_.kind(op) == kComplete || engine_.kind(op) == kCure;
-    return Counts(is_steiner ? FilterTerm::kOverSteinerPoint : FilterTerm::kOverMidpoint) &&
+    return IsOn(is_steiner ? FilterTerm::kOverSteinerPoint : FilterTerm::kOverMidpoint) &&
            DiametralBallSign(a, b, x) <= 0;
   }
   // A feature comes or goes.
@@ -115,21 +115,21 @@ bool ReadFilter<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
     switch (engine_.kind(op)) {
       case kComplete:
         if (item == v || !payload.CoverMayHold(complex_.vertex(item).p, y)) return false;
-        return appears ? Counts(FilterTerm::kAppearsInCorner) && ConflictsWithStar(op, y)
-                       : Counts(FilterTerm::kVanishesFromRing) && is_read();
+        return appears ? IsOn(FilterTerm::kAppearsInCorner) && ConflictsWithStar(op, y)
+                       : IsOn(FilterTerm::kVanishesFromRing) && is_read();
       case kCure:
-        return Counts(FilterTerm::kNearCure) && payload.CoverMayHold(CentreOfReads(op), y) &&
+        return IsOn(FilterTerm::kNearCure) && payload.CoverMayHold(CentreOfReads(op), y) &&
                CureMatters(op, v, appears);
       case kNearest:
         return item != v &&
                geometry::SquaredDistance(complex_.vertex(item).p, y) <= payload.radius2 &&
-               Counts(appears ? FilterTerm::kAppearsNearer : FilterTerm::kNearestVanishes) &&
+               IsOn(appears ? FilterTerm::kAppearsNearer : FilterTerm::kNearestVanishes) &&
                NearestMatters(op, v, appears);
       case kCheck:
       case kRecheck: {
-        if (payload.flag) return !appears && Counts(FilterTerm::kWitnessVanishes) && is_read();
+        if (payload.flag) return !appears && IsOn(FilterTerm::kWitnessVanishes) && is_read();
         const Subsegment& s = complex_.subsegment(item);
-        return appears && Counts(FilterTerm::kAppearsInBall) && v != s.a && v != s.b &&
+        return appears && IsOn(FilterTerm::kAppearsInBall) && v != s.a && v != s.b &&
                DiametralBallSign(complex_.vertex(s.a).p, complex_.vertex(s.b).p, y) <= 0;
       }
       default:
@@ -299,10 +299,10 @@ bool ReadFilter<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& featu
     const Payload& payload = engine_.payload(op);
     if (!appears) {
       const auto reads = engine_.reads(op);
-      return payload.flag && Counts(FilterTerm::kTooNearVanishes) && !reads.empty() &&
+      return payload.flag && IsOn(FilterTerm::kTooNearVanishes) && !reads.empty() &&
              reads[0] == feature.a && reads[1] == feature.b;
     }
-    if (!Counts(payload.flag ? FilterTerm::kFeatureNearer : FilterTerm::kFeatureTooNear))
+    if (!IsOn(payload.flag ? FilterTerm::kFeatureNearer : FilterTerm::kFeatureTooNear))
       return false;
     const Point middle = geometry::Midpoint(complex_.vertex(s.a).p, complex_.vertex(s.b).p);
     const double d2 = geometry::SquaredDistance(middle, feature.p, feature.q);
@@ -314,7 +314,7 @@ bool ReadFilter<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& featu
 template <int D, template <class> class E>
 bool ReadFilter<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
-    if (!Counts(FilterTerm::kOverSize)) return false;
+    if (!IsOn(FilterTerm::kOverSize)) return false;
     if (engine_.kind(op) == kPresplit) {
       return !engine_.payload(op).flag &&
              presplit_.IsTooLong(complex_.subsegment(engine_.item(op)), region);
@@ -370,7 +370,7 @@ double ReadFilter<D, E>::PresplitReach(sac::OpId op) const {
 template <int D, template <class> class E>
 bool ReadFilter<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
   if constexpr (kTraced && D == 3) {
-    if (!Counts(FilterTerm::kOverFacet)) return false;
+    if (!IsOn(FilterTerm::kOverFacet)) return false;
     if (engine_.kind(op) == kPresplit) {
       const Subsegment& s = complex_.subsegment(engine_.item(op));
       const Point middle = geometry::Midpoint(complex_.vertex(s.a).p, complex_.vertex(s.b).p);

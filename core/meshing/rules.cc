@@ -26,8 +26,7 @@ CommonRules<D>::CommonRules(const MeshOptions& options, double farthest)
   reach_.resize(kBuckets);
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
     const int k = std::ilogb(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)));
-    const double slack =
-        1 + (Counts(RefinementTerm::kSlackIsTiny) ? QualitySlackAt(k, ulp_) : 0.01);
+    const double slack = 1 + (IsOn(RefinementTerm::kSlackIsTiny) ? QualitySlackAt(k, ulp_) : 0.01);
     too_far_[bucket] = quality_ * quality_ * slack * slack;
     const int beyond = std::clamp(bucket + kReachBuckets + 1, kLeast, kGreatest);
     reach_[bucket] = 1.001 * farthest * std::sqrt(LeastOfBucket(beyond));

@@ -98,7 +98,7 @@ void SegmentWork<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
   // Subsegments that v encroaches on. Those not yet exposed will check for themselves.
   for (const auto& [other, strictly] : search_.EncroachedBy(context, p)) {
     const Subsegment<D>& sub = complex_.subsegment(other);
-    if (other == s || sub.a == v || sub.b == v || !Counts(RefinementTerm::kCascades)) continue;
+    if (other == s || sub.a == v || sub.b == v || !IsOn(RefinementTerm::kCascades)) continue;
     context.Request(strictly ? kSplit : kRecheck, other, next);
   }
   complex_.Subscribe(context, {p.c, p.c});

@@ -58,7 +58,7 @@ void ForEachPair(const Point<3>&, std::span<const Point<3>> others, F f) {
 template <int D>
 std::vector<WedgeEnd> FindWedges(const Point<D>& apex, std::span<const Point<D>> others) {
   std::vector<WedgeEnd> ends(others.size());
-  if (others.size() < 2 || !Counts(RefinementTerm::kSharpOnShells)) return ends;
+  if (others.size() < 2 || !IsOn(RefinementTerm::kSharpOnShells)) return ends;
   ForEachPair(apex, others, [&](std::size_t s, std::size_t t) {
     if (!geometry::IsSmallAngle(apex, others[s], others[t])) return;
     const Vector<D> u = Minus(others[s], apex), w = Minus(others[t], apex);
@@ -90,7 +90,7 @@ namespace {
 constexpr int kLeastExponent = 20, kMostExponent = 40;
 int SkewExponent(double squared_sine) { return 7 - std::ilogb(squared_sine * kNarrower); }
 std::uint8_t SkewExponent(const WedgeEnd& end) {
-  if (!end.acute || !Counts(RefinementTerm::kSkewedShells)) return 0;
+  if (!end.acute || !IsOn(RefinementTerm::kSkewedShells)) return 0;
   return static_cast<std::uint8_t>(
       std::clamp(SkewExponent(end.sine * end.sine), kLeastExponent, kMostExponent));
 }
@@ -167,7 +167,7 @@ double WaveOf(const std::array<double, 3>& u) {
 // have the same. Else it differs: two pairs of counterparts would be a trapezoid as well.
 double SkewOfCounterpart(double squared_sine) {
   constexpr double kLeastCounted = 0x1p-33;
-  if (!(squared_sine > kLeastCounted) || !Counts(RefinementTerm::kSkewedShells)) return 0;
+  if (!(squared_sine > kLeastCounted) || !IsOn(RefinementTerm::kSkewedShells)) return 0;
   int exponent = 0;
   const int eighths = static_cast<int>(8 * std::frexp(squared_sine * kNarrower, &exponent));
   const double most = std::ldexp(eighths, exponent - 3 - 7);  // s^2 / 128, as above

@@ -149,7 +149,7 @@ void SliverTable::Look(std::uint32_t simplex, IsExcused is_excused, IsFlat is_fl
   const Corners corners(base_->vertices(simplex), *base_);
   if (!bound_.IsBelowSorted(corners.p)) return;
   const bool is_exempt = !IsBelow(bound_, corners, is_excused) || is_flat(corners.v);
-  if (is_exempt && (!Counts(RefinementTerm::kExemptAreCured) || IsHopeless(corners))) return;
+  if (is_exempt && (!IsOn(RefinementTerm::kExemptAreCured) || IsHopeless(corners))) return;
   const SliverIndex i = Find(corners.v);
   Sliver& sliver = slivers_[i];
   sliver.v = corners.v;

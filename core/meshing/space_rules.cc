@@ -80,7 +80,7 @@ class SpaceRules::Face {
         if (clearance < slack || (best && !(clearance > best_clearance))) continue;
         best = x;
         best_clearance = clearance;
-        if (!Counts(RefinementTerm::kMostClearance)) return best;
+        if (!IsOn(RefinementTerm::kMostClearance)) return best;
         if (clearance == enough) return best;  // no point has more
       }
       if (best) break;

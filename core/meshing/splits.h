@@ -14,7 +14,7 @@ namespace dynmesh::meshing {
 // False if the parts would be finer than limits allow.
 template <int D, template <class> class E>
 bool CanSplit(const Complex<D, E>& complex, const Subsegment<D>& s) {
-  return (s.depth < complex.limits.max_depth || !Counts(RefinementTerm::kDepthEnds)) &&
+  return (s.depth < complex.limits.max_depth || !IsOn(RefinementTerm::kDepthEnds)) &&
          complex.SquaredLength(s) > 4 * complex.rules.least_squared_length();
 }
 

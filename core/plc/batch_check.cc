@@ -61,7 +61,7 @@ bool BatchCheck<D>::IsCertainlyGood() const {
     return !steps_.Stop() && CheckPosition(p, options_.box, 0).ok();
   };
   return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
-         (!Counts(ValidationTerm::kLoadsAreChecked) ||
+         (!IsOn(ValidationTerm::kLoadsAreChecked) ||
           AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_));
 }
 
@@ -104,7 +104,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
     case Event::Kind::kEdge:
       return Enter(edges_[event.at], event.edit);
     case Event::Kind::kPointGone: {
-      if (!Counts(ValidationTerm::kPointsInUseStay)) break;
+      if (!IsOn(ValidationTerm::kPointsInUseStay)) break;
       std::vector<FeatureId>& users = users_of_missing_[event.id];
       std::sort(users.begin(), users.end());
       return PointInUseError(event.id, users, event.edit);
@@ -115,7 +115,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
     case Event::Kind::kDegenerate:
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);
     case Event::Kind::kUnknownEnd:
-      if (!Counts(ValidationTerm::kEndsExist)) break;
+      if (!IsOn(ValidationTerm::kEndsExist)) break;
       return UnknownEnd(event.id, event.edit);
     case Event::Kind::kFacet:
       if constexpr (D == 3) return Enter(Facet(delta_.added_facets[event.at]), event.edit);
@@ -236,7 +236,7 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     ask(
         *present_,
         [&](const PointFeature<D>& other) {
-          if (!hidden_.contains(other.id) || !Counts(ValidationTerm::kRemovedIsGone)) {
+          if (!hidden_.contains(other.id) || !IsOn(ValidationTerm::kRemovedIsGone)) {
             see_point(other);
           }
         },

@@ -37,7 +37,7 @@ absl::Status BatchCheck<D>::CheckDemand() {
 template <int D>
 absl::Status BatchCheck<D>::CheckSizeDemand() const {
   const auto& sizes = delta_.added_sizes;
-  if (sizes.empty() || !Counts(ValidationTerm::kSizesNeedFewVertices)) return absl::OkStatus();
+  if (sizes.empty() || !IsOn(ValidationTerm::kSizesNeedFewVertices)) return absl::OkStatus();
   const Box domain = DomainBox(options_);
   const double most = static_cast<double>(options_.limits.max_vertices);
   double sum = 0, largest = 0;
@@ -56,7 +56,7 @@ absl::Status BatchCheck<D>::CheckSizeDemand() const {
 template <int D>
 absl::Status BatchCheck<D>::CheckSegmentGaps() {
   const auto& added = delta_.added_segments;
-  if (added.empty() || !Counts(ValidationTerm::kSegmentGapsSmall)) return absl::OkStatus();
+  if (added.empty() || !IsOn(ValidationTerm::kSegmentGapsSmall)) return absl::OkStatus();
   const double most = static_cast<double>(options_.limits.max_vertices);
   // Present segments count, except those that the batch changes, which are hidden.
   const auto query = [&](const SegmentFeature<D>& s, double distance,
@@ -86,7 +86,7 @@ template <int D>
 absl::Status BatchCheck<D>::CheckFacetGaps() {
   if constexpr (D == 3) {
     const auto& added = delta_.added_facets;
-    if (added.empty() || !Counts(ValidationTerm::kFacetGapsSmall)) return absl::OkStatus();
+    if (added.empty() || !IsOn(ValidationTerm::kFacetGapsSmall)) return absl::OkStatus();
     const double most = static_cast<double>(options_.limits.max_vertices);
     const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
     // Vertices on a facet, and the facet over it.

@@ -72,7 +72,7 @@ CommonCorners FindCommon(const Facet& f, const Facet& g) {
       common.ways.emplace_back(c.id, way);
       common.ways.emplace_back(next, Vector3{-way[0], -way[1], -way[2]});
       const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
-      if (!Counts(ValidationTerm::kAngleOfFacetsAtEdges)) continue;
+      if (!IsOn(ValidationTerm::kAngleOfFacetsAtEdges)) continue;
       common.sine2 = std::min(common.sine2, Sine2Between(f.InwardOf(c), g.InwardOf(edge)));
     }
   }
@@ -85,7 +85,7 @@ CommonCorners FindCommon(const Facet& f, const Facet& g) {
 // of f.
 double Sine2AtCorners(const Facet& f, const Facet& g, const CommonCorners& common) {
   double sine2 = 1;
-  if (!Counts(ValidationTerm::kAngleOfFacetsAtCorners)) return sine2;
+  if (!IsOn(ValidationTerm::kAngleOfFacetsAtCorners)) return sine2;
   for (const FeatureId point : common.corners) {
     const auto [begin, end] =
         std::equal_range(common.ways.begin(), common.ways.end(), std::pair(point, Vector3{}),
@@ -128,7 +128,7 @@ double PlanarityTolerance(double extent, double limit) {
 }
 
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit) {
-  if (!Counts(ValidationTerm::kPointFarFromFacet)) return Conflict::kNone;
+  if (!IsOn(ValidationTerm::kPointFarFromFacet)) return Conflict::kNone;
   const double deviation = f.deviation();
   const double distance = std::fabs(f.plane().Height(p.p));
   if (!(distance < deviation + limit) || f.HasCorner(p.id) || !f.Holds(p.p)) return Conflict::kNone;
@@ -139,13 +139,13 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
   const bool from_p = f.HasCorner(s.p_id), from_q = f.HasCorner(s.q_id);
   if (from_p && from_q) {
     if (f.HasEdge(s.p_id, s.q_id) || !f.Holds(Midpoint(s.p, s.q))) return Conflict::kNone;
-    if (!Counts(ValidationTerm::kSegmentNotInFacet)) return Conflict::kNone;
+    if (!IsOn(ValidationTerm::kSegmentNotInFacet)) return Conflict::kNone;
     return Conflict::kSegmentMeetsPolygon;
   }
   const double at_p = f.plane().Height(s.p), at_q = f.plane().Height(s.q);
   if (from_p || from_q) {
     if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are checked instead
-    if (!Counts(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
+    if (!IsOn(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
     const double sine2 = Sine2Over(f, from_p ? s.p_id : s.q_id, d);
     if (sine2 >= kLeastSine2) return Conflict::kNone;
@@ -153,7 +153,7 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
   if ((at_p > 0) == (at_q > 0)) return Conflict::kNone;
-  if (!Counts(ValidationTerm::kSegmentNotThroughFacet)) return Conflict::kNone;
+  if (!IsOn(ValidationTerm::kSegmentNotThroughFacet)) return Conflict::kNone;
   const double t = at_p / (at_p - at_q);
   Point3 x;
   for (int i = 0; i < 3; ++i) x[i] = s.p[i] + t * (s.q[i] - s.p[i]);
@@ -164,12 +164,12 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
   if (f.corners().size() > g.corners().size()) return Between(g, f, limit);
   const CommonCorners common = FindCommon(f, g);
   if (common.corners.empty()) return Conflict::kNone;
-  if (Counts(ValidationTerm::kFacetsDiffer) && common.edges == f.corners().size() &&
+  if (IsOn(ValidationTerm::kFacetsDiffer) && common.edges == f.corners().size() &&
       common.edges == g.corners().size()) {
     return Conflict::kDuplicatePolygon;
   }
-  if ((Counts(ValidationTerm::kFacetsDoNotOverlap) && common.sine2 < kSameSide2) ||
-      (Counts(ValidationTerm::kFacetsDoNotMeet) && MeetBetween(f, g, common.corners))) {
+  if ((IsOn(ValidationTerm::kFacetsDoNotOverlap) && common.sine2 < kSameSide2) ||
+      (IsOn(ValidationTerm::kFacetsDoNotMeet) && MeetBetween(f, g, common.corners))) {
     return Conflict::kPolygonsMeet;
   }
   if (common.sine2 < kLeastSine2AtEdges || LeastSine2AtCorners(f, g, common) < kLeastSine2)

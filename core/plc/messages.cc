@@ -38,7 +38,7 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
     return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, std::move(features), edit,
                  absl::StrCat("polygon ", id, " ", what));
   };
-  if (!Counts(ValidationTerm::kRingsAreSimple)) return absl::OkStatus();
+  if (!IsOn(ValidationTerm::kRingsAreSimple)) return absl::OkStatus();
   if (rings.empty()) return refuse({}, "has no ring; give it at least one");
   std::vector<EdgeKey> edges;
   for (const std::vector<FeatureId>& ring : rings) {
@@ -70,7 +70,7 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
 
 absl::Status CheckQuality(FeatureId id, const MeshOptions& options, EditIndex edit) {
   if (options.dimension == 2 || options.quality >= kMinPolygonQuality3D) return absl::OkStatus();
-  if (!Counts(ValidationTerm::kQualityAllowsPolygons)) return absl::OkStatus();
+  if (!IsOn(ValidationTerm::kQualityAllowsPolygons)) return absl::OkStatus();
   return Error(
       absl::StatusCode::kFailedPrecondition, reason::kQualityTooLow, {id}, edit,
       absl::StrCat("polygon ", id, " is in a 3D mesh of quality (rho) ", Shortest(options.quality),
@@ -80,13 +80,13 @@ absl::Status CheckQuality(FeatureId id, const MeshOptions& options, EditIndex ed
 }
 
 absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
-  if (Counts(ValidationTerm::kHasArea) && !(facet.area() > limit * facet.Extent())) {
+  if (IsOn(ValidationTerm::kHasArea) && !(facet.area() > limit * facet.Extent())) {
     return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, {facet.id()}, edit,
                  absl::StrCat("polygon ", facet.id(), " has no area; move its corners apart"));
   }
   const double tolerance = PlanarityTolerance(facet.Extent(), limit);
   if (facet.deviation() <= tolerance) return absl::OkStatus();
-  if (!Counts(ValidationTerm::kIsPlanar)) return absl::OkStatus();
+  if (!IsOn(ValidationTerm::kIsPlanar)) return absl::OkStatus();
   // The plane goes through a corner that may be the one to blame. The median of the distances shows
   // where most corners are.
   std::vector<double> distances;
@@ -147,11 +147,11 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
                                                  "; give ", NamesOfSizeShapes("a ", D)));
   }
   if (const auto fault = rules->FaultOf(size, box);
-      fault.has_value() && Counts(ValidationTerm::kSizesAreSound)) {
+      fault.has_value() && IsOn(ValidationTerm::kSizesAreSound)) {
     return refuse(fault->reason, fault->what);
   }
   const double least = kLeastTargetLimits * limit;
-  if (Counts(ValidationTerm::kTargetsAreKept) && !(s.target >= least)) {
+  if (IsOn(ValidationTerm::kTargetsAreKept) && !(s.target >= least)) {
     return refuse(reason::kBadSize,
                   absl::StrCat("has target length ", Shortest(s.target), "; at least ",
                                Shortest(least), " can be kept in this mesh"));
@@ -166,13 +166,13 @@ absl::Status CheckPosition(const PointFeature<D>& point, const Box& box, EditInd
                  absl::StrCat(Text(point), " ", what));
   };
   for (int i = 0; i < D; ++i) {
-    if (Counts(ValidationTerm::kIsFinite) && !std::isfinite(point.p[i])) {
+    if (IsOn(ValidationTerm::kIsFinite) && !std::isfinite(point.p[i])) {
       return refuse(reason::kNotFinite, "is not finite; give finite coordinates");
     }
   }
   for (int i = 0; i < D; ++i) {
     const double x = point.p[i];
-    if (Counts(ValidationTerm::kIsInBox) && (x < box.lo[i] || x > box.hi[i])) {
+    if (IsOn(ValidationTerm::kIsInBox) && (x < box.lo[i] || x > box.hi[i])) {
       return refuse(reason::kOutsideBox,
                     absl::StrCat("is outside the mesh's box from ", Text(CornerOf<D>(box.lo)),
                                  " to ", Text(CornerOf<D>(box.hi)),

@@ -55,10 +55,10 @@ Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b)
   const auto u = Minus(a, apex), w = Minus(b, apex);
   const double d = Dot(u, w);
   // Collinear vectors are opposite or parallel, far from d = 0: the sign of d is right.
-  if (d > 0 && Counts(ValidationTerm::kSegmentsDoNotOverlap) && AreCollinear(apex, a, b)) {
+  if (d > 0 && IsOn(ValidationTerm::kSegmentsDoNotOverlap) && AreCollinear(apex, a, b)) {
     return Conflict::kSegmentsOverlap;
   }
-  if (!Counts(D == 2 ? ValidationTerm::kAngleOfSegments2D : ValidationTerm::kAngleOfSegments3D)) {
+  if (!IsOn(D == 2 ? ValidationTerm::kAngleOfSegments2D : ValidationTerm::kAngleOfSegments3D)) {
     return Conflict::kNone;
   }
   const double squares = Dot(u, u) * Dot(w, w);
@@ -68,7 +68,7 @@ Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b)
 
 template <int D>
 bool CollinearOverlap(const Point<D>& a, const Point<D>& b, const Point<D>& c, const Point<D>& d) {
-  if (!Counts(ValidationTerm::kSegmentsDoNotOverlap)) return false;
+  if (!IsOn(ValidationTerm::kSegmentsDoNotOverlap)) return false;
   // Lexicographic order is the order along a common line.
   const auto [lo1, hi1] = std::minmax(a, b);
   const auto [lo2, hi2] = std::minmax(c, d);
@@ -82,7 +82,7 @@ Conflict Disjoint(const Point2& a, const Point2& b, const Point2& c, const Point
     return CollinearOverlap(a, b, c, d) ? Conflict::kSegmentsOverlap : Conflict::kNone;
   }
   if (c_side == 0 || d_side == 0) return Conflict::kNone;
-  if (!Counts(ValidationTerm::kSegmentsDoNotCross)) return Conflict::kNone;
+  if (!IsOn(ValidationTerm::kSegmentsDoNotCross)) return Conflict::kNone;
   return Orientation(c, d, a) * Orientation(c, d, b) < 0 ? Conflict::kSegmentsCross
                                                          : Conflict::kNone;
 }
@@ -171,7 +171,7 @@ bool IsNear(const Point<D>& p, const Point<D>& a, const Point<D>& b, double limi
 template <int D>
 Conflict Between(const PointFeature<D>& p, const PointFeature<D>& q, double limit) {
   if (p.p == q.p) return Conflict::kDuplicatePoint;
-  if (!Counts(ValidationTerm::kPointsApart)) return Conflict::kNone;
+  if (!IsOn(ValidationTerm::kPointsApart)) return Conflict::kNone;
   return SquaredDistance(p.p, q.p) < limit * limit ? Conflict::kTooClose : Conflict::kNone;
 }
 
@@ -179,9 +179,9 @@ template <int D>
 Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double limit) {
   if (p.id == s.p_id || p.id == s.q_id) return Conflict::kNone;
   if (InRange(s.p, s.q, p.p) && AreCollinear(s.p, s.q, p.p)) {
-    return Counts(ValidationTerm::kPointOffSegment) ? Conflict::kPointOnSegment : Conflict::kNone;
+    return IsOn(ValidationTerm::kPointOffSegment) ? Conflict::kPointOnSegment : Conflict::kNone;
   }
-  if (!Counts(ValidationTerm::kPointFarFromSegment)) return Conflict::kNone;
+  if (!IsOn(ValidationTerm::kPointFarFromSegment)) return Conflict::kNone;
   return IsNear(p.p, s.p, s.q, limit) ? Conflict::kTooClose : Conflict::kNone;
 }
 
@@ -199,7 +199,7 @@ Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t,
   if (qp) return AtSharedEnd(s.q, s.p, t.q);
   const Conflict conflict = Disjoint(s.p, s.q, t.p, t.q);
   if constexpr (D == 3) {
-    if (conflict == Conflict::kNone && Counts(ValidationTerm::kSegmentsPassApart) &&
+    if (conflict == Conflict::kNone && IsOn(ValidationTerm::kSegmentsPassApart) &&
         PassNear({s.p, s.q}, {t.p, t.q}, limit)) {
       return Conflict::kTooClose;
     }

@@ -124,7 +124,7 @@ std::vector<Side> ChambersOf(std::span<const Facet> component) {
   for (Side side = 0; side < chambers.size(); ++side) {
     const Side chamber = sides.Find(side);
     chambers[side] =
-        volume[chamber] > 0 || !Counts(RegionTerm::kChambersHaveVolume) ? chamber : kOutside;
+        volume[chamber] > 0 || !IsOn(RegionTerm::kChambersHaveVolume) ? chamber : kOutside;
   }
   return chambers;
 }

@@ -41,7 +41,7 @@ const std::vector<typename RegionLabels<D>::Relabelled>& RegionLabels<D>::Update
   settled_.clear();
   toggled_ = toggled;
   for (const Simplex t : fresh) SettleFrom(t, is_rounded);
-  if (!toggled_.empty() && Counts(RegionTerm::kWallEndsAreSearched)) {
+  if (!toggled_.empty() && IsOn(RegionTerm::kWallEndsAreSearched)) {
     for (const Vertex v : wall_ends_) {
       if (!triangulation_.Contains(v)) continue;
       triangulation_.ForEachSimplexAround(v, [&](Simplex t) {
@@ -85,7 +85,7 @@ std::optional<RegionId> RegionLabels<D>::TruthAt(Simplex t,
                                                  absl::FunctionRef<bool(Vertex)> is_rounded) {
   if (settled_.contains(t)) return at(t);
   if (at(t) != kPending) {
-    if (toggled_.empty() || !Counts(RegionTerm::kFlipsPropagate)) return at(t);
+    if (toggled_.empty() || !IsOn(RegionTerm::kFlipsPropagate)) return at(t);
     for (const Vertex v : triangulation_.vertices(t)) {
       // Inside a segment or a facet coordinates are rounded: the side of a wall is unknown.
       if (is_rounded(v)) continue;
@@ -123,7 +123,7 @@ std::optional<RegionId> RegionLabels<D>::ChangeAt(const Point& p) {
   for (const FeatureId id : *crossed) {
     if (change.empty() || change.back() != id) {
       change.push_back(id);
-    } else if (Counts(RegionTerm::kTwiceIsOutside)) {
+    } else if (IsOn(RegionTerm::kTwiceIsOutside)) {
       change.pop_back();
     }
   }
@@ -149,7 +149,7 @@ void RegionLabels<D>::Spread(Simplex from) {
     for (int c = 0; c <= D; ++c) {
       const Simplex next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next)) continue;
-      const bool separate = Counts(RegionTerm::kWallsSeparate);
+      const bool separate = IsOn(RegionTerm::kWallsSeparate);
       const RegionId label = sets_.Toggle(at(t), separate ? WallAcross(t, c) : kNoRegion);
       if (label == RegionSets::kTooMany) return;
       if (settled_.contains(next)) {
@@ -201,7 +201,7 @@ void RegionLabels<D>::LabelAll(Steps& steps) {
     for (int c = 0; c <= D; ++c) {
       const Simplex next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next) || at(next) != kPending) continue;
-      bool may = Counts(RegionTerm::kWallsSeparateAll);
+      bool may = IsOn(RegionTerm::kWallsSeparateAll);
       for (int i = 0; i <= D; ++i)
         may = may && (i == c || may_have_wall(v[static_cast<std::size_t>(i)]));
       const RegionId label = may ? sets_.Toggle(at(t), WallAcross(t, c)) : at(t);

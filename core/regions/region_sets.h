@@ -43,7 +43,7 @@ class RegionSets {
   RegionId Toggle(RegionId a, RegionId b) {
     if (b == kNoRegion) return a;
     if (a == kNoRegion) return Checked(b);
-    if (!Counts(RegionTerm::kHolesAreOutside) && a == b) return a;
+    if (!IsOn(RegionTerm::kHolesAreOutside) && a == b) return a;
     if (a == b) return kNoRegion;
     const std::pair<RegionId, RegionId> key = std::minmax(a, b);
     const auto known = toggles_.find(key);

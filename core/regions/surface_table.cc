@@ -21,7 +21,7 @@ const plc::FacetFeature* Find(std::span<const plc::FacetFeature> sorted, Feature
 }
 
 bool IsApart(const plc::FacetFeature& polygon) {
-  return polygon.rings.size() > 1 && Counts(RegionTerm::kApartIsNone) &&
+  return polygon.rings.size() > 1 && IsOn(RegionTerm::kApartIsNone) &&
          plc::FallsApart(plc::Facet(polygon));
 }
 
@@ -127,7 +127,7 @@ void SurfaceTable::Peel() {
   stack_.clear();
   const auto peel = [&](FeatureId id) {
     Touched& touched = touched_.at(id);
-    if (touched.peeled || !has_lone_edge(id) || !Counts(RegionTerm::kOpenIsPeeled)) return;
+    if (touched.peeled || !has_lone_edge(id) || !IsOn(RegionTerm::kOpenIsPeeled)) return;
     touched.peeled = true;
     stack_.push_back(id);
   };
@@ -159,7 +159,7 @@ void SurfaceTable::FindComponents(absl::FunctionRef<geometry::Point3(FeatureId)>
           ++count;
           if (!std::exchange(other.reached, true)) component.push_back(id);
         }
-        is_crowded = is_crowded || (count > 2 && Counts(RegionTerm::kCrowdedIsSearched));
+        is_crowded = is_crowded || (count > 2 && IsOn(RegionTerm::kCrowdedIsSearched));
       });
     }
     std::sort(component.begin(), component.end());

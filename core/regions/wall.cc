@@ -31,7 +31,7 @@ bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
       inside ^= geometry::CrossesEdge(shadow(p), shadow(ring[i]), shadow(ring[j])).value_or(false);
     }
-    if (!Counts(RegionTerm::kHolesOfWalls)) break;
+    if (!IsOn(RegionTerm::kHolesOfWalls)) break;
   }
   return inside;
 }
