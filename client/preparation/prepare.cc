@@ -217,7 +217,7 @@ class Cleaner {
   // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
   // becomes one. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
   // OUT_OF_RANGE if it is too far from the input; NOT_FOUND if nothing is left.
-  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle = 0) const {
+  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps) const {
     Prepared prepared = {raw_, {}};
     Report& report = prepared.report;
     report.is_mended = true;
@@ -225,7 +225,7 @@ class Cleaner {
     std::vector<FeatureId> doubled;
     const absl::Status status = raw_.options.dimension == 2
                                     ? CleanPlane(tolerance, prepared)
-                                    : CleanSpace(tolerance, least_angle, doubled, prepared);
+                                    : CleanSpace(tolerance, least_angle, steps, doubled, prepared);
     if (!status.ok()) return status;
     if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) {
       return absl::NotFoundError(
@@ -259,6 +259,11 @@ class Cleaner {
       report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
     }
     return prepared;
+  }
+
+  // Of cleaning in 3D, for one tolerance.
+  std::uint64_t Steps() const {
+    return std::max(cleaning::kLeastSteps, cleaning::kStepsForFeature * raw_.features.size());
   }
 
   // Those to be tried, ascending.
@@ -312,11 +317,12 @@ class Cleaner {
     return absl::OkStatus();
   }
 
-  absl::Status CleanSpace(double tolerance, double least_angle, std::vector<FeatureId>& doubled,
-                          Prepared& prepared) const {
+  absl::Status CleanSpace(double tolerance, double least_angle, std::uint64_t steps,
+                          std::vector<FeatureId>& doubled, Prepared& prepared) const {
     cleaning::SurfaceCleanOptions options;
     options.tolerance = tolerance;
     options.least_angle = least_angle;
+    options.max_steps = steps;
     while (options.first_doublings > 0 &&
            std::ldexp(tolerance, options.first_doublings) > within_ / 2) {
       --options.first_doublings;
@@ -374,17 +380,20 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
                                              bool to_close) {
   std::optional<Prepared> best;
   const std::vector<double> tolerances = cleaner.Tolerances();
+  // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
+  std::uint64_t steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
-    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance);
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps);
     absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
     if (IsOfAngle(refusal)) {
-      cleaned = cleaner.Clean(tolerance, kLeastAngle);
+      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps);
       if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
     }
     if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
       return cleaned.status();
     }
     if (absl::IsNotFound(cleaned.status())) break;
+    if (absl::IsResourceExhausted(cleaned.status())) steps = std::max<std::uint64_t>(steps / 2, 1);
     if (!cleaned.ok() || !refusal.ok()) continue;
     cleaned->report.found = as_read.found;
     cleaned->report.open_edges = as_read.open_edges;
