@@ -4,21 +4,17 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
 
-#include "absl/container/flat_hash_map.h"
-#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_format.h"
-#include "client/cleaning/box_tree.h"
 #include "client/cleaning/clean_input.h"
 #include "client/cleaning/clean_surfaces.h"
 #include "client/preparation/default_limit.h"
 #include "client/preparation/farthest.h"
+#include "client/preparation/open_edges.h"
 #include "core/base/feature_kinds.h"
-#include "core/base/rings.h"
 #include "core/base/rounding.h"
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
@@ -92,88 +88,6 @@ bool IsOfFeatures(const absl::Status& refusal) {
 bool IsOfAngle(const absl::Status& refusal) {
   const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
   return detail && detail->reason == reason::kSmallAngle;
-}
-
-// ---- open edges
-
-struct OpenEdge {
-  FeatureId p, q;
-  cleaning::Box3 box;
-};
-
-std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
-  absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
-  absl::flat_hash_map<FeatureId, cleaning::Point3> at;
-  for (const Feature& f : features) {
-    if (IsPoint(f)) at[f.id] = f.position;
-    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
-    ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
-  }
-  std::vector<OpenEdge> open;
-  for (const auto& [edge, faces] : faces_at) {
-    if (faces != 1) continue;
-    const cleaning::Point3 ends[] = {at[edge.first], at[edge.second]};
-    open.push_back({edge.first, edge.second, cleaning::Box3::Of(ends)});
-  }
-  return open;
-}
-
-// Does each end of an open edge have another open edge, which does not end there, within the
-// distance? Conservative: may return true needlessly.
-bool MayBeClosed(const std::vector<OpenEdge>& open, double distance) {
-  std::vector<cleaning::BoxEntry> boxes;
-  for (std::uint32_t i = 0; i < open.size(); ++i) {
-    boxes.emplace_back(cleaning::TreeBoxOf(open[i].box.Grown(distance)), i);
-  }
-  const cleaning::BoxTree tree(boxes.begin(), boxes.end());
-  return std::ranges::all_of(open, [&](const OpenEdge& edge) {
-    std::vector<cleaning::BoxEntry> found;
-    tree.query(boost::geometry::index::intersects(cleaning::TreeBoxOf(edge.box)),
-               std::back_inserter(found));
-    const auto is_other_at = [&](FeatureId end) {
-      return std::ranges::any_of(found, [&](const cleaning::BoxEntry& entry) {
-        return open[entry.second].p != end && open[entry.second].q != end;
-      });
-    };
-    return is_other_at(edge.p) && is_other_at(edge.q);
-  });
-}
-
-// Where a closed surface is folded onto itself, two faces become one, which encloses nothing. Those
-// of `doubled` that have a free edge go, one after the other, and corners that are left over. Then
-// no free edge is left. Returns how many faces.
-std::size_t DropFlaps(const std::vector<FeatureId>& doubled, std::vector<Feature>& features) {
-  const absl::flat_hash_set<FeatureId> may_go(doubled.begin(), doubled.end());
-  std::size_t dropped = 0;
-  while (!may_go.empty()) {
-    absl::flat_hash_map<std::pair<FeatureId, FeatureId>, int> faces_at;
-    for (const Feature& f : features) {
-      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
-      ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[std::minmax(p, q)]; });
-    }
-    const std::size_t flaps = std::erase_if(features, [&](const Feature& f) {
-      bool is_flap = false;
-      if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>) || !may_go.contains(f.id)) return is_flap;
-      ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
-        is_flap = is_flap || faces_at.at(std::minmax(p, q)) == 1;
-      });
-      return is_flap;
-    });
-    if (flaps == 0) break;
-    dropped += flaps;
-  }
-  if (dropped == 0) return dropped;
-  absl::flat_hash_set<FeatureId> used;
-  for (const Feature& f : features) {
-    Visit(
-        f, [&](const ASegment& s) { used.insert(s.ends.begin(), s.ends.end()); },
-        [&](const APolygon& p) {
-          for (const auto& ring : p.rings) used.insert(ring.begin(), ring.end());
-        },
-        Ignore<APoint, ASize>);
-  }
-  std::erase_if(features, [&](const Feature& f) { return IsPoint(f) && !used.contains(f.id); });
-  return dropped;
 }
 
 // ---- what was done

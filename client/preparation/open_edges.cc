@@ -1,0 +1,114 @@
+#include "client/preparation/open_edges.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "client/cleaning/box_tree.h"
+#include "client/cleaning/node_table.h"
+#include "core/base/feature_kinds.h"
+#include "core/base/rings.h"
+
+namespace dynmesh::preparation {
+namespace {
+
+using EdgeKey = std::pair<FeatureId, FeatureId>;
+
+EdgeKey KeyOf(FeatureId p, FeatureId q) { return std::minmax(p, q); }
+
+bool IsPolygon(const Feature& f) { return Is<APolygon>(f, Not<APoint, ASegment, ASize>); }
+
+void DropUnusedPoints(std::vector<Feature>& features) {
+  absl::flat_hash_set<FeatureId> used;
+  for (const Feature& f : features) {
+    Visit(
+        f, [&](const ASegment& s) { used.insert(s.ends.begin(), s.ends.end()); },
+        [&](const APolygon& p) {
+          for (const auto& ring : p.rings) used.insert(ring.begin(), ring.end());
+        },
+        Ignore<APoint, ASize>);
+  }
+  std::erase_if(features, [&](const Feature& f) { return IsPoint(f) && !used.contains(f.id); });
+}
+
+}  // namespace
+
+std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
+  absl::flat_hash_map<EdgeKey, int> faces_at;
+  absl::flat_hash_map<FeatureId, cleaning::Point3> at;
+  for (const Feature& f : features) {
+    if (IsPoint(f)) at[f.id] = f.position;
+    if (!IsPolygon(f)) continue;
+    ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[KeyOf(p, q)]; });
+  }
+  std::vector<OpenEdge> open;
+  for (const auto& [edge, faces] : faces_at) {
+    if (faces != 1) continue;
+    const cleaning::Point3 ends[] = {at[edge.first], at[edge.second]};
+    open.push_back({edge.first, edge.second, cleaning::Box3::Of(ends)});
+  }
+  return open;
+}
+
+bool MayBeClosed(const std::vector<OpenEdge>& open, double distance) {
+  std::vector<cleaning::BoxEntry> boxes;
+  for (std::uint32_t i = 0; i < open.size(); ++i) {
+    boxes.emplace_back(cleaning::TreeBoxOf(open[i].box.Grown(distance)), i);
+  }
+  const cleaning::BoxTree tree(boxes.begin(), boxes.end());
+  return std::ranges::all_of(open, [&](const OpenEdge& edge) {
+    std::vector<cleaning::BoxEntry> found;
+    tree.query(boost::geometry::index::intersects(cleaning::TreeBoxOf(edge.box)),
+               std::back_inserter(found));
+    const auto is_other_at = [&](FeatureId end) {
+      return std::ranges::any_of(found, [&](const cleaning::BoxEntry& entry) {
+        return open[entry.second].p != end && open[entry.second].q != end;
+      });
+    };
+    return is_other_at(edge.p) && is_other_at(edge.q);
+  });
+}
+
+std::size_t DropFlaps(const std::vector<FeatureId>& doubled, std::vector<Feature>& features) {
+  if (doubled.empty()) return 0;
+  const absl::flat_hash_set<FeatureId> may_go(doubled.begin(), doubled.end());
+  absl::flat_hash_map<EdgeKey, int> faces_at;
+  absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> doubled_at;
+  absl::flat_hash_map<FeatureId, const Rings*> rings_of;
+  for (const Feature& f : features) {
+    if (!IsPolygon(f)) continue;
+    if (may_go.contains(f.id)) rings_of[f.id] = &f.rings;
+    ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) {
+      ++faces_at[KeyOf(p, q)];
+      if (may_go.contains(f.id)) doubled_at[KeyOf(p, q)].push_back(f.id);
+    });
+  }
+  absl::flat_hash_set<FeatureId> flaps;
+  std::vector<FeatureId> left = doubled;
+  while (!left.empty()) {
+    const FeatureId id = left.back();
+    left.pop_back();
+    const auto it = rings_of.find(id);
+    if (it == rings_of.end() || flaps.contains(id)) continue;
+    bool is_open = false;
+    ForEachEdgeOf(*it->second, [&](FeatureId p, FeatureId q) {
+      is_open = is_open || faces_at.at(KeyOf(p, q)) == 1;
+    });
+    if (!is_open) continue;
+    flaps.insert(id);
+    ForEachEdgeOf(*it->second, [&](FeatureId p, FeatureId q) {
+      if (--faces_at.at(KeyOf(p, q)) != 1) return;
+      const std::vector<FeatureId>& there = doubled_at.at(KeyOf(p, q));
+      left.insert(left.end(), there.begin(), there.end());
+    });
+  }
+  if (flaps.empty()) return 0;
+  std::erase_if(features, [&](const Feature& f) { return flaps.contains(f.id); });
+  DropUnusedPoints(features);
+  return flaps.size();
+}
+
+}  // namespace dynmesh::preparation
