@@ -336,11 +336,13 @@ TEST_F(EditPipelineTest, AStreamThatEndsAtTheFirstRefusedBatchEndsWithTheAppend)
 // Takes long for each batch with more than one edit, and tells its progress meanwhile.
 class LongMesh final : public MeshDecorator {
  public:
-  LongMesh(std::unique_ptr<DynamicMesh> mesh, const std::atomic<bool>* go)
-      : MeshDecorator(std::move(mesh)), go_(go) {}
+  // `runs` is set while one takes long, which it does until `go`.
+  LongMesh(std::unique_ptr<DynamicMesh> mesh, const std::atomic<bool>* go, std::atomic<bool>* runs)
+      : MeshDecorator(std::move(mesh)), go_(go), runs_(runs) {}
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& options) override {
     const auto end = std::chrono::steady_clock::now() + test::kPatience;
     while (batch.size() > 1 && !*go_ && std::chrono::steady_clock::now() < end) {
+      *runs_ = true;
       options.progress({ApplyProgress::Stage::kRefine, 1, 2});
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -349,6 +351,7 @@ class LongMesh final : public MeshDecorator {
 
  private:
   const std::atomic<bool>* const go_;
+  std::atomic<bool>* const runs_;
 };
 
 class LongBatchTest : public EditPipelineTest {
@@ -360,11 +363,11 @@ class LongBatchTest : public EditPipelineTest {
     writers_.Stop();  // before go_ goes
   }
   std::shared_ptr<MeshHost> MakeLong() {
-    return MakeHostOf(std::make_unique<LongMesh>(*MakeFake(MeshOptions(), gate_), &go_));
+    return MakeHostOf(std::make_unique<LongMesh>(*MakeFake(MeshOptions(), gate_), &go_, &runs_));
   }
   static EditJob LongJob(FeatureId id) { return Job({AddPoint(id), AddPoint(id + 1)}); }
 
-  std::atomic<bool> go_{false};
+  std::atomic<bool> go_{false}, runs_{false};
 };
 
 TEST_F(LongBatchTest, DoesNotDelayTheBatchesBeforeIt) {
@@ -390,6 +393,7 @@ TEST_F(LongBatchTest, TakesNothingBackOfWhatWasPublishedMeanwhile) {
   journal_.WaitForAppends(1);  // of the first: here any second batch is a long one
   HandBehind(*host, 3);
   Hand(*host, LongJob(4));
+  test::WaitUntil("the long batch", [&] { return runs_.load(); });
   journal_.ReleaseUpTo(1);
   ExpectNext(1, 1);  // while that one runs
   journal_.WaitForAppends(2);
