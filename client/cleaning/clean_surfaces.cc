@@ -42,7 +42,7 @@ class SurfaceCleaner {
     surface_.least_sine = std::sin(options.least_angle * std::numbers::pi / 180);
   }
 
-  // ABORTED if repairs undo each other, at places that are added to `stuck`.
+  // ABORTED if repairs undo each other, at places that `stuck` becomes.
   absl::StatusOr<SurfaceCleanResult> Run(std::vector<StuckPlace>& stuck) {
     const absl::StatusOr<FeatureId> max_id =
         CheckFeatures(features_, options_.tolerance, kLimitsIn3D);
@@ -320,10 +320,13 @@ const char* NameOf(SurfaceChangeKind kind) {
   return "";
 }
 
+std::uint64_t DefaultSteps(std::size_t features) {
+  return std::max(kLeastSteps, kStepsForFeature * features);
+}
+
 absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& features,
                                                  const SurfaceCleanOptions& options) {
-  Effort effort(options.max_steps != 0 ? options.max_steps
-                                       : std::max(kLeastSteps, kStepsForFeature * features.size()));
+  Effort effort(options.max_steps != 0 ? options.max_steps : DefaultSteps(features.size()));
   absl::Status last;
   double most = 0;
   std::vector<StuckPlace> stuck;
@@ -337,20 +340,24 @@ absl::StatusOr<SurfaceCleanResult> CleanSurfaces(const std::vector<Feature>& fea
     if (!absl::IsAborted(last)) done = std::move(result);
     return done;
   };
+  const auto doubled = [&](int times) {
+    return clean(ToleranceField(std::ldexp(options.tolerance, times)));
+  };
+  ToleranceField field(options.tolerance);
+  if (auto done = clean(field)) return *std::move(done);
+  std::vector<StuckPlace> places = std::move(stuck);
   const int first = std::min(options.first_doublings, options.max_doublings);
-  for (int i = 0; i <= first; ++i) {
-    if (auto done = clean(ToleranceField(std::ldexp(options.tolerance, i))))
-      return *std::move(done);
+  for (int i = 1; i <= first; ++i) {
+    if (auto done = doubled(i)) return *std::move(done);
   }
   // Doubled everywhere it would spoil what needs no more than that.
-  ToleranceField field(options.tolerance);
   for (int i = 0; i < kMostRestarts && field.most_level() < options.max_doublings; ++i) {
+    field.RaiseAt(std::move(places), options.max_doublings);
     if (auto done = clean(field)) return *std::move(done);
-    field.RaiseAt(std::move(stuck), options.max_doublings);
+    places = std::move(stuck);
   }
   for (int i = first + 1; i <= options.max_doublings; ++i) {
-    if (auto done = clean(ToleranceField(std::ldexp(options.tolerance, i))))
-      return *std::move(done);
+    if (auto done = doubled(i)) return *std::move(done);
   }
   return absl::ResourceExhaustedError(
       Concat("up to the tolerance ", most, ": ", text::View(last.message())));

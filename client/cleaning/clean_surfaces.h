@@ -54,6 +54,8 @@ struct SurfaceCleanOptions {
 };
 
 inline constexpr std::uint64_t kLeastSteps = 5'000'000, kStepsForFeature = 500;
+// Of `max_steps`, for so many features.
+std::uint64_t DefaultSteps(std::size_t features);
 
 enum class SurfaceChangeKind : std::uint8_t {
   kPointMerged,       // point ids[0], at `from`, became point ids[1], at `to`

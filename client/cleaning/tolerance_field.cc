@@ -16,7 +16,17 @@ constexpr double kHalfSide = 8;
 }  // namespace
 
 struct ToleranceField::Tree {
-  BoxTree boxes;
+  BoxTree cubes;  // with their levels
+
+  // The greatest level of the cubes for which the predicate holds; 0 if there is none.
+  template <class Predicate>
+  int MostLevel(const Predicate& predicate) const {
+    std::uint32_t level = 0;
+    for (auto it = cubes.qbegin(predicate); it != cubes.qend(); ++it) {
+      level = std::max(level, it->second);
+    }
+    return static_cast<int>(level);
+  }
 };
 
 ToleranceField::ToleranceField(double least) : least_(least), tree_(std::make_unique<Tree>()) {}
@@ -24,26 +34,8 @@ ToleranceField::ToleranceField(double least) : least_(least), tree_(std::make_un
 ToleranceField::~ToleranceField() = default;
 
 int ToleranceField::LevelIn(const Box3& box) const {
-  int level = 0;
-  if (levels_.empty()) return level;
-  const TreeBox there = TreeBoxOf(box);
-  for (auto it = tree_->boxes.qbegin(boost::geometry::index::intersects(there));
-       it != tree_->boxes.qend(); ++it) {
-    level = std::max(level, levels_[it->second]);
-  }
-  return level;
-}
-
-// Of the cubes that contain it.
-int ToleranceField::LevelAround(const Box3& box) const {
-  int level = 0;
-  if (levels_.empty()) return level;
-  const TreeBox there = TreeBoxOf(box);
-  for (auto it = tree_->boxes.qbegin(boost::geometry::index::intersects(there));
-       it != tree_->boxes.qend(); ++it) {
-    if (boost::geometry::covered_by(there, it->first)) level = std::max(level, levels_[it->second]);
-  }
-  return level;
+  if (most_level_ == 0) return 0;
+  return tree_->MostLevel(boost::geometry::index::intersects(TreeBoxOf(box)));
 }
 
 void ToleranceField::RaiseAt(std::vector<StuckPlace> places, int most_level) {
@@ -59,10 +51,9 @@ void ToleranceField::RaiseAt(std::vector<StuckPlace> places, int most_level) {
     // Is it near the middle of a cube that is enough?
     const Box3 at = {places[i].at, places[i].at};
     const double quarter = kHalfSide / 2 * Of(wanted[i]);
-    if (LevelAround(at.Grown(quarter)) >= wanted[i]) continue;
-    tree_->boxes.insert(
-        {TreeBoxOf(at.Grown(2 * quarter)), static_cast<std::uint32_t>(levels_.size())});
-    levels_.push_back(wanted[i]);
+    if (tree_->MostLevel(boost::geometry::index::covers(TreeBoxOf(at.Grown(quarter)))) >= wanted[i])
+      continue;
+    tree_->cubes.insert({TreeBoxOf(at.Grown(2 * quarter)), static_cast<std::uint32_t>(wanted[i])});
     most_level_ = std::max(most_level_, wanted[i]);
   }
 }

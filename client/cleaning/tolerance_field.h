@@ -48,11 +48,9 @@ class ToleranceField {
 
   double Of(int level) const { return std::ldexp(least_, level); }
   int LevelIn(const Box3& box) const;
-  int LevelAround(const Box3& box) const;
 
   double least_;
   int most_level_ = 0;
-  std::vector<int> levels_;  // by cube
   std::unique_ptr<Tree> tree_;
 };
 

@@ -24,12 +24,7 @@ bool IsPolygon(const Feature& f) { return Is<APolygon>(f, Not<APoint, ASegment, 
 void DropUnusedPoints(std::vector<Feature>& features) {
   absl::flat_hash_set<FeatureId> used;
   for (const Feature& f : features) {
-    Visit(
-        f, [&](const ASegment& s) { used.insert(s.ends.begin(), s.ends.end()); },
-        [&](const APolygon& p) {
-          for (const auto& ring : p.rings) used.insert(ring.begin(), ring.end());
-        },
-        Ignore<APoint, ASize>);
+    ForEachPointOf(f, [&](FeatureId id) { used.insert(id); });
   }
   std::erase_if(features, [&](const Feature& f) { return IsPoint(f) && !used.contains(f.id); });
 }

@@ -147,21 +147,20 @@ class Cleaner {
                  static_cast<float>(tolerance)));
     }
     const int dimension = raw_.options.dimension;
-    std::optional<double> farthest;
-    if (is_closed_ && raw_.options.dimension == 3) {
-      std::vector<Feature> whole = prepared.geometry.features;
-      const std::size_t flaps = DropFlaps(doubled, prepared.geometry.features);
-      farthest = FarthestOf(prepared);
-      if (farthest) {
-        AddCount("flap dropped", flaps, report);
-      } else if (flaps != 0) {
-        prepared.geometry.features = std::move(whole);
-        farthest = FarthestOf(prepared);
-      }
-    } else {
+    std::vector<Feature> with_flaps;
+    std::size_t flaps = 0;
+    if (is_closed_ && !doubled.empty()) {
+      with_flaps = prepared.geometry.features;
+      flaps = DropFlaps(doubled, prepared.geometry.features);
+    }
+    std::optional<double> farthest = FarthestOf(prepared);
+    if (!farthest && flaps != 0) {
+      prepared.geometry.features = std::move(with_flaps);
+      flaps = 0;
       farthest = FarthestOf(prepared);
     }
     if (!farthest) return TooFar();
+    AddCount("flap dropped", flaps, report);
     report.farthest = *farthest;
     if (is_surface_) {
       const io::SurfaceCounts counts = io::JoinFacesInOnePlane(reading_, prepared.geometry);
@@ -176,9 +175,7 @@ class Cleaner {
   }
 
   // Of cleaning in 3D, for one tolerance.
-  std::uint64_t Steps() const {
-    return std::max(cleaning::kLeastSteps, cleaning::kStepsForFeature * raw_.features.size());
-  }
+  std::uint64_t Steps() const { return cleaning::DefaultSteps(raw_.features.size()); }
 
   // Those to be tried, ascending.
   std::vector<double> Tolerances() const {
