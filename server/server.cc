@@ -446,8 +446,9 @@ bool Server::Drain(absl::Duration limit) {
   if (!done && impl_->journal != nullptr) impl_->journal->EndWrites(DrainingError());
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   // Edits of calls that are still open are cancelled and undone. The other calls are being ended.
-  if (!done) impl_->service.EndEdits();
-  if (done || waits) impl_->calls.open().WaitEmpty(kCallGrace);
+  if (!done) impl_->service.CancelEdits();
+  const bool answered = (done || waits) && impl_->calls.open().WaitEmpty(kCallGrace);
+  if (!answered) impl_->service.CutCalls();
   if (done && waits) impl_->calls.WaitQuiet(kQuiet, kRefusalGrace);
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));

@@ -198,12 +198,17 @@ int Run(MeshCommand command) {
     if (absl::IsResourceExhausted(named)) {
       return ReportTooLarge(named, *input, is_remote ? "" : limit.reason);
     }
-    return ReportRefusals(
-        named, *input,
-        {command.reading.merge_coplanar, command.reading.refine, command.all_refusals,
-         input->preparation && input->preparation->within > 0
-             ? std::optional(input->preparation->within)
-             : std::nullopt});
+    RefusalWishes wishes;
+    wishes.is_merged = command.reading.merge_coplanar;
+    wishes.is_refined = command.reading.refine;
+    wishes.all = command.all_refusals;
+    if (input->preparation && input->preparation->within > 0) {
+      wishes.mended_within = input->preparation->within;
+    }
+    if (format != nullptr && !format->Is(io::kScript)) {
+      wishes.mending = command.reading.prepare ? "--within D" : "the command without --exact";
+    }
+    return ReportRefusals(named, *input, wishes);
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {

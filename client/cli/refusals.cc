@@ -85,8 +85,8 @@ void AdviseMerging(const Input& input, const DynamicMesh& mesh) {
                       "their inner edges"));
 }
 
-// Of what `import --clean` mends.
-void AdviseCleaning(const Refusals& refusals) {
+// Of what cleaning mends.
+void AdviseCleaning(const Refusals& refusals, const std::string& mending) {
   std::size_t count = 0;
   for (const char* const mended :
        {reason::kDegenerateSegment, reason::kDuplicatePoint, reason::kDuplicateSegment,
@@ -97,10 +97,8 @@ void AdviseCleaning(const Refusals& refusals) {
     if (found != refusals.by_reason.end()) count += found->second;
   }
   if (count == 0) return;
-  PrintWarning(
-      Concat("`dynmesh import INPUT --clean -o CLEAN.poly` mends what crosses, overlaps, "
-             "touches or is there twice (here ",
-             count, ")"));
+  PrintWarning(Concat(mending, " mends what crosses, overlaps, touches or is there twice (here ",
+                      count, "), if that needs no move beyond its tolerance"));
 }
 
 }  // namespace
@@ -127,7 +125,7 @@ int ReportRefusals(const absl::Status& first, const Input& input, const RefusalW
     PrintWarning(Concat("mending within ", static_cast<float>(*wishes.mended_within),
                         " does not help; --within allows more"));
   } else if (!wishes.is_refined) {
-    AdviseCleaning(refusals);
+    AdviseCleaning(refusals, wishes.mending);
   }
   if (refusals.count > 1) {
     std::string rest;

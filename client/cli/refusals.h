@@ -29,11 +29,12 @@ struct RefusalWishes {
   bool is_merged = false, is_refined = false;
   bool all = false;
   std::optional<double> mended_within;  // mending within this did not help
+  std::string mending = "`dynmesh import INPUT --clean -o CLEAN.poly`";  // what mends the input
 };
 // Reports `first`, the refusal of `input` by a mesh with its options, then others as FindRefusals
 // finds them: kMostTold are told, all found are counted. Of a 3D surface whose faces could be
-// joined it says that `--merge-coplanar` does so; of what `import --clean` mends, that it does, or
-// that mending has been tried; nothing of a mesh that is refined. Returns the exit code. Only
+// joined it says that `--merge-coplanar` does so; of what cleaning mends, how, or that mending has
+// been tried; nothing of a mesh that is refined. Returns the exit code. Only
 // features are looked at; other errors are reported alone.
 int ReportRefusals(const absl::Status& first, const Input& input, const RefusalWishes& wishes);
 

@@ -237,6 +237,12 @@ std::string BetterTarget(const SizeFeature<D>& size, double vertices, double all
   return absl::StrFormat("%.2g", 1.05 * TargetFor(size, DomainBox(options), share));
 }
 
+// If a higher limit helps: ", or create the mesh with a higher limit".
+std::string HigherLimit(double all, const MeshOptions& options) {
+  if (all > static_cast<double>(MostVertices(options.dimension))) return "";
+  return ", or create the mesh with a higher limit";
+}
+
 }  // namespace
 
 template <int D>
@@ -246,8 +252,8 @@ absl::Status SizeDemandError(const SizeFeature<D>& size, double vertices, double
       absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {size.id}, edit,
       absl::StrCat("sizing feature ", size.id, " with target length ", Shortest(size.sizing.target),
                    " ", DemandText(vertices, all, options), "; give it a target of about ",
-                   BetterTarget(size, vertices, all, options),
-                   " or more, or a smaller region, or create the mesh with a higher limit"));
+                   BetterTarget(size, vertices, all, options), " or more, or a smaller region",
+                   HigherLimit(all, options)));
 }
 
 template <int D>
@@ -259,8 +265,7 @@ absl::Status GapDemandError(const AnyFeature<D>& offender, const AnyFeature<D>& 
                absl::StrCat(Text<D>(offender), " and ", Text<D>(other), " are ",
                             absl::StrFormat("%.2g", distance), " apart: what is between them ",
                             DemandText(vertices, all, options),
-                            "; move them apart or make them one, or create the mesh with a higher "
-                            "limit"));
+                            "; move them apart or make them one", HigherLimit(all, options)));
 }
 
 absl::Status CheckMaxEdge(const MeshOptions& options) {
@@ -271,8 +276,8 @@ absl::Status CheckMaxEdge(const MeshOptions& options) {
     return Error(absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {}, kUntouched,
                  absl::StrCat("max_edge = ", Shortest(options.max_edge), " ",
                               DemandText(vertices, vertices, options), "; make it about ",
-                              BetterTarget(region, vertices, vertices, options),
-                              " or more, or the limit higher"));
+                              BetterTarget(region, vertices, vertices, options), " or more",
+                              HigherLimit(vertices, options)));
   };
   return options.dimension == 2 ? check(SizeOfMaxEdge<2>(options))
                                 : check(SizeOfMaxEdge<3>(options));

@@ -28,14 +28,15 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
       : context_(context), edits_field_(edits_field), rpc_(rpc) {}
 
   template <typename Request>
-  static EditCall* Start(ServiceContext& context, OpenStreams& edits, const Request& request,
+  static EditCall* Start(ServiceContext& context, OpenStreams& streams, const Request& request,
                          const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<EditCall>(context, EditsField(request), rpc);
     call->self_ = call;
     absl::Status status = pass.status();
     if (status.ok()) {
       call->pass_ = *pass;
-      edits.Add(call);
+      call->Enter(rpc);
+      streams.Add(call);
       status = call->Begin(request);
     }
     // Only before the job is submitted: after that the call may be answered and gone.
@@ -52,7 +53,8 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
     }
   }
   void OnCancel() override { withdrawal_.Cancel(); }
-  void End(const absl::Status& status) override {
+  void End(const absl::Status& /*status*/) override {}  // it ends with its batch
+  void Cancel(const absl::Status& status) override {
     {
       const MutexLock lock(end_mutex_);
       end_status_ = status;
@@ -60,6 +62,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
     withdrawal_.Cancel();
   }
   void OnDone() override {
+    Leave();
     sender_.Leave();
     if (fragmenter_.has_value()) {
       context_.metrics->edits.of(source_).send.Observe(SecondsSince(answered_));
@@ -188,29 +191,29 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff>, public Ope
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::AddFeaturesRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, edits, request, pass, rpc);
+  return EditCall::Start(context, streams, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::RemoveFeaturesRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, edits, request, pass, rpc);
+  return EditCall::Start(context, streams, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::ApplyEditsRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, edits, request, pass, rpc);
+  return EditCall::Start(context, streams, request, pass, rpc);
 }
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::RevertToRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc) {
-  return EditCall::Start(context, edits, request, pass, rpc);
+  return EditCall::Start(context, streams, request, pass, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -11,23 +11,23 @@
 
 namespace dynmesh::server {
 
-// Each starts a call that frees itself, and puts it into `edits`: End cancels a batch that is not
-// applied yet. Without a pass it ends with the error. `request`
-// is not used after the return; `rpc` is used until the call is done.
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+// Each starts a call that frees itself, and puts it into `streams`: Cancel undoes a batch that is
+// not applied yet. Without a pass it ends with the error. `request` is not used after the return;
+// `rpc` is used until the call is done.
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::AddFeaturesRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::RemoveFeaturesRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::ApplyEditsRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);
 // The batch is made on a reader's thread first.
-grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& edits,
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context, OpenStreams& streams,
                                                       const v1::RevertToRequest& request,
                                                       const absl::StatusOr<Pass>& pass,
                                                       grpc::CallbackServerContext* rpc);

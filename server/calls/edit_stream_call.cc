@@ -38,6 +38,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     absl::Status status = pass.status();
     if (status.ok()) {
       call->pass_ = *pass;
+      call->Enter(rpc);
       streams.Add(call);
       // After Add: a drain either is seen here by the closed gate, or finds the stream in the list.
       if (context.gate.closed()) status = DrainingError();
@@ -120,7 +121,17 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     if (host != nullptr) host->Withdraw(cancelled_);
   }
 
+  // Those that wait are not withdrawn, but undone in their turn: answers are in order.
+  void Cancel(const absl::Status& status) override {
+    {
+      const MutexLock lock(mutex_);
+      cancel_status_ = status;
+    }
+    cancelled_->store(true, std::memory_order_relaxed);
+  }
+
   void OnDone() override {
+    Leave();
     if (host_ != nullptr) {
       Log(LogLevel::kDebug, "edits_closed",
           {{"mesh", host_->id()},
@@ -290,6 +301,9 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       if (broken_ || stopped_) {
         --in_flight_;  // the client is gone, or an earlier batch ended the stream
       } else {
+        if (absl::IsCancelled(answer.status) && !cancel_status_.ok()) {
+          answer.status = cancel_status_;
+        }
         if (!answer.status.ok() && stop_on_error_) {
           stopped_ = true;
           EndLocked(answer.status);
@@ -416,8 +430,9 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;  // a refused batch ended the stream
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // a write failed: the client is gone
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  bool opening_ ABSL_GUARDED_BY(mutex_) = false;  // the mesh is being found
-  int in_flight_ ABSL_GUARDED_BY(mutex_) = 0;     // submitted batches that are not fully answered
+  bool opening_ ABSL_GUARDED_BY(mutex_) = false;        // the mesh is being found
+  absl::Status cancel_status_ ABSL_GUARDED_BY(mutex_);  // why the server cancelled it
+  int in_flight_ ABSL_GUARDED_BY(mutex_) = 0;  // submitted batches that are not fully answered
   absl::Status final_status_ ABSL_GUARDED_BY(mutex_);
   std::deque<Answer> answers_ ABSL_GUARDED_BY(mutex_);
   std::size_t answer_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // of these and current_

@@ -39,12 +39,16 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
     End(WhyCut(context_, sender_, "the call was cancelled"));
-    MeshRegistry::HostPtr host;
+    Withdraw();
+  }
+
+  void Cancel(const absl::Status& status) override {
+    cancelled_->store(true, std::memory_order_relaxed);
     {
       const MutexLock lock(mutex_);
-      if (phase_ == Phase::kWorking) host = host_;
+      cancel_status_ = status;
     }
-    if (host != nullptr) host->Withdraw(cancelled_);
+    Withdraw();
   }
 
   void OnDone() override {
@@ -53,6 +57,16 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   }
 
  private:
+  // Undoes the batch if it is not done.
+  void Withdraw() {
+    MeshRegistry::HostPtr host;
+    {
+      const MutexLock lock(mutex_);
+      if (phase_ == Phase::kWorking) host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
+  }
+
   bool has_begun() const override { return host_ != nullptr; }
   std::size_t features() const override { return job_.edits.size(); }
   absl::string_view IncompleteMessage() const override {
@@ -119,7 +133,8 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
     bool finish = false;
     {
       const MutexLock lock(mutex_);
-      EndLocked(status);
+      const bool stopped = absl::IsCancelled(status) && !cancel_status_.ok();
+      EndLocked(stopped ? cancel_status_ : status);
       if (outcome.ok()) EncodeResultLocked(*outcome);
       finish = FinishLocked();
     }
@@ -145,6 +160,8 @@ class LoadCall final : public PartsCall<v1::LoadFeaturesRequest, v1::LoadFeature
   }
 
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+
+  absl::Status cancel_status_ ABSL_GUARDED_BY(mutex_);  // why the server cancelled it
 
   // Used by the reader, then by the strand.
   MeshRegistry::HostPtr host_;

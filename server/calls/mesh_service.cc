@@ -259,6 +259,12 @@ void MeshServiceImpl::BeginDrain() {
   context_.registry->CloseWatches(DrainingError());
 }
 
+void MeshServiceImpl::CutCalls() {
+  streams_.CutAll(absl::StrCat(codec::reason::kDraining,
+                               ": the server ended before it answered; repeat the call when a "
+                               "server is back, an edit with the same request_id"));
+}
+
 void MeshServiceImpl::Tick() {
   EndSlowReceivers(context_);
   codec::ServiceError error;
@@ -416,17 +422,20 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
-  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
+  return StartEditCall(context_, streams_, *request, Admit(call, Role::kEdit, request->mesh()),
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
-  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
+  return StartEditCall(context_, streams_, *request, Admit(call, Role::kEdit, request->mesh()),
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
-  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
+  return StartEditCall(context_, streams_, *request, Admit(call, Role::kEdit, request->mesh()),
+                       call);
 }
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* MeshServiceImpl::EditStream(
@@ -456,7 +465,8 @@ grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
-  return StartEditCall(context_, edits_, *request, Admit(call, Role::kEdit, request->mesh()), call);
+  return StartEditCall(context_, streams_, *request, Admit(call, Role::kEdit, request->mesh()),
+                       call);
 }
 
 grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>*

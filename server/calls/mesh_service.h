@@ -27,9 +27,10 @@ class MeshServiceImpl final : public grpc::Service {
 
   // Refuses new work and ends all streams after their complete batches are answered.
   void BeginDrain();
-  // Cancels the single edits that are not applied yet: they are answered as calls refused in the
-  // drain.
-  void EndEdits() { edits_.EndAll(DrainingError()); }
+  // Cancels the batches that are not applied yet: they are answered as calls refused in the drain.
+  void CancelEdits() { streams_.CancelAll(DrainingError()); }
+  // Ends the calls that are still open, with the reason: gRPC itself would not name one.
+  void CutCalls();
   // To be called periodically: ends streams with an unfinished batch that waits too long, and calls
   // with a message that the client does not take.
   void Tick();
@@ -97,8 +98,7 @@ class MeshServiceImpl final : public grpc::Service {
                              const std::string& mesh);
 
   ServiceContext& context_;
-  OpenStreams streams_;
-  OpenStreams edits_;  // calls of one batch
+  OpenStreams streams_;  // and the calls of one batch
   Forwarder forwarder_;
   std::deque<std::string> paths_;  // of the methods
 };

@@ -90,6 +90,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   }
 
   void OnDone() override {
+    Leave();
     sender_.Leave();
     self_.reset();
   }
@@ -105,7 +106,7 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
     self_ = std::move(self);
     rpc_ = rpc;
     LimitSends(context_, rpc, sender_);
-    const absl::Status status = pass.ok() ? Enter(streams, *pass) : pass.status();
+    const absl::Status status = pass.ok() ? EnterStreams(streams, *pass) : pass.status();
     if (status.ok()) {
       Read(/*anew=*/true);
     } else {
@@ -200,8 +201,9 @@ class PartsCall : public grpc::ServerBidiReactor<Received<Request>, Response>, p
   absl::Status final_status_ ABSL_GUARDED_BY(mutex_);
 
  private:
-  absl::Status Enter(OpenStreams& streams, const Pass& pass) {
+  absl::Status EnterStreams(OpenStreams& streams, const Pass& pass) {
     pass_ = pass;
+    Enter(rpc_);
     streams.Add(self_);
     // After Add: a drain either is seen here by the closed gate, or finds the stream in the list.
     return context_.gate.closed() ? DrainingError() : absl::OkStatus();

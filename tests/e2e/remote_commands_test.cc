@@ -232,6 +232,54 @@ TEST_F(RemoteCommandsTest, ApplyWithAPrefixAndWatchGoOnAfterARestart) {
   }
 }
 
+// The server starts two seconds after the command. It has no journal: the mesh is made anew.
+TEST_F(RemoteCommandsTest, ApplyWithAPrefixWaitsForAServerThatIsNotThereYet) {
+  StartDaemon();
+  const std::string address = daemon_.address();
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  const std::string script = Write("s.txt", kScript);
+  const Ran without = RunDynmesh({"apply", "m", script, "--create", "--server", address});
+  EXPECT_EQ(without.code, kExitFailed) << without.err;
+  for (const std::string mesh : {"streamed", "one-by-one"}) {
+    SCOPED_TRACE(mesh);
+    std::vector<std::string> apply = {"apply", mesh,       script, "--create", "--request-prefix",
+                                      "p",     "--server", address};
+    if (mesh == "one-by-one") apply.push_back("--one-by-one");
+    Ran applied;
+    std::thread applying([&] { applied = RunDynmesh(apply); });
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    EXPECT_TRUE(daemon_.Start({}, address.c_str())) << daemon_.Log();
+    applying.join();
+    EXPECT_EQ(applied.code, kExitDone) << applied.err;
+    EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  }
+}
+
+// A batch that takes longer than the server has for its end.
+TEST_F(RemoteCommandsTest, WhatADrainInterruptsSaysSoAndHowToGoOn) {
+  std::string text = "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\nadd point 1 .5 .5\ncommit\n";
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0.01, 0.99);
+  for (int i = 2; i <= 300'000; ++i) {
+    absl::StrAppend(&text, "add point ", i, " ", unit(random), " ", unit(random), "\n");
+  }
+  const std::string script = Write("long.dynmesh", text);
+  ASSERT_TRUE(daemon_.Start({"--drain-timeout", "0"})) << daemon_.Log();
+  const auto client = client::MeshClient::Connect(daemon_.address());
+  ASSERT_TRUE(client->CreateMesh("m", {}).ok());
+  Ran applied;
+  std::thread applying([&] { applied = Remote({"apply", "m", script}); });
+  test::WaitUntil("the first batch", [&] { return client->GetMesh("m")->revision >= 1; });
+  daemon_.End(SIGTERM);
+  applying.join();
+  EXPECT_EQ(applied.code, kExitFailed) << applied.err;
+  EXPECT_NE(applied.err.find("long.dynmesh:4: "), std::string::npos) << applied.err;
+  EXPECT_NE(applied.err.find("DRAINING"), std::string::npos) << applied.err;
+  EXPECT_NE(applied.err.find("; 1 of 2 batches are known to be applied. With --request-prefix"),
+            std::string::npos)
+      << applied.err;
+}
+
 TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   StartDaemon();
   const std::string bad = Write("bad.txt",
@@ -246,7 +294,10 @@ TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
     EXPECT_NE(ran.err.find("77"), std::string::npos) << ran.err;
     EXPECT_EQ(Value(Remote({"stats", way[2] == 'q' ? "q" : "o", "--json"}).out, "revision"), "1");
   }
-  EXPECT_EQ(Remote({"delete", "none"}).code, kExitBadInput);
+  // With the reason by which the runbook is sorted.
+  const Ran none = Remote({"delete", "none"});
+  EXPECT_EQ(none.code, kExitBadInput);
+  EXPECT_NE(none.err.find(" (MESH_NOT_FOUND)\n"), std::string::npos) << none.err;
   EXPECT_EQ(Remote({"stats", "none"}).code, kExitBadInput);
   EXPECT_EQ(Remote({"watch", "none"}).code, kExitBadInput);
   EXPECT_EQ(Remote({"create", "Plate", "--box", "0,0,1,1"}).code, kExitBadInput);
@@ -308,6 +359,8 @@ TEST_F(RemoteCommandsTest, ALoadThatIsRefusedSaysWhere) {
   const Ran refused = Remote({"load", "m", bad, "--create"});
   EXPECT_EQ(refused.code, kExitBadInput);
   EXPECT_NE(refused.err.find("bad.dynmesh:4: "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("(DUPLICATE_POINT)"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("`dynmesh delete m` deletes it"), std::string::npos) << refused.err;
   EXPECT_EQ(Value(Remote({"stats", "m", "--json"}).out, "revision"), "0");
   const std::string good = Write("good.dynmesh", header + "add point 1 0.2 0.2\n");
   EXPECT_EQ(Remote({"load", "m", good, "--expected-revision", "3"}).code, kExitFailed);

@@ -77,6 +77,67 @@ TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
   editor.join();
 }
 
+TEST_F(DrainTest, ADrainThatTakesTooLongCancelsTheBatchesOfAStream) {
+  StartWithMesh();
+  gate_->Hold();
+  const auto host = Host();
+  const auto stream = client_->OpenEdits("m");
+  ASSERT_TRUE(stream->Send({AddPoint(1)}, Id("s1")).ok());
+  ASSERT_TRUE(stream->Send({AddPoint(2)}, Id("s2")).ok());
+  gate_->WaitForArrivals(1);
+  test::WaitUntil("the second batch", [&] { return host->waiting() >= 1; });
+  EXPECT_FALSE(server_->Drain(absl::Milliseconds(20)));
+  for (const char* const id : {"s1", "s2"}) {
+    const auto answer = stream->Receive();
+    ASSERT_TRUE(answer.has_value()) << Text(stream->Finish());
+    EXPECT_EQ(answer->request_id, id);
+    EXPECT_EQ(ReasonOf(answer->result.status()), codec::reason::kDraining)
+        << Text(answer->result.status());
+  }
+  EXPECT_FALSE(stream->Receive().has_value());
+  EXPECT_EQ(ReasonOf(stream->Finish()), codec::reason::kDraining);
+  EXPECT_EQ(host->head().revision, 0u);
+}
+
+TEST_F(DrainTest, ADrainThatTakesTooLongCancelsALoad) {
+  StartWithMesh();
+  gate_->Hold();
+  const auto host = Host();
+  Mailbox<absl::StatusOr<client::LoadResult>> running;
+  std::thread loader([&] { running.Put(client_->Load("m", std::vector{AddPoint(1).feature})); });
+  gate_->WaitForArrivals(1);
+  EXPECT_FALSE(server_->Drain(absl::Milliseconds(20)));
+  const auto result = running.Take();
+  EXPECT_EQ(ReasonOf(result.status()), codec::reason::kDraining) << Text(result.status());
+  EXPECT_EQ(host->head().revision, 0u);
+  loader.join();
+}
+
+// The mesh takes longer to undo its batch than the drain waits.
+TEST_F(DrainTest, CallsThatADrainCutsNameTheReason) {
+  StartWithMesh();
+  gate_->Hold();
+  gate_->HoldCancelled();
+  Mailbox<absl::StatusOr<client::LoadResult>> loading;
+  std::thread loader([&] { loading.Put(client_->Load("m", std::vector{AddPoint(1).feature})); });
+  gate_->WaitForArrivals(1);
+  Mailbox<absl::StatusOr<client::EditResult>> applying;
+  std::thread editor([&] { applying.Put(client_->Apply("m", {AddPoint(2)})); });
+  test::WaitUntil("the edit", [&] { return Host()->waiting() >= 1; });
+  Mailbox<bool> drained;
+  std::thread drainer([&] { drained.Put(server_->Drain(absl::Milliseconds(20))); });
+  const absl::Status loaded = loading.Take().status();
+  const absl::Status applied = applying.Take().status();
+  gate_->Release();
+  EXPECT_FALSE(drained.Take());
+  EXPECT_EQ(loaded.code(), StatusCode::kUnavailable) << Text(loaded);
+  EXPECT_NE(Text(loaded).find("DRAINING: the server ended before it answered"), std::string::npos)
+      << Text(loaded);
+  // It was waiting: nothing is to be undone.
+  EXPECT_EQ(ReasonOf(applied), codec::reason::kDraining) << Text(applied);
+  for (std::thread* thread : {&loader, &editor, &drainer}) thread->join();
+}
+
 // One after the other on one connection: each is applied, or refused for the drain.
 TEST_F(DrainTest, EditsThatComeDuringADrainGetItsReason) {
   for (int round = 0; round < 5; ++round) {

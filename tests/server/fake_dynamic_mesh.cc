@@ -43,9 +43,15 @@ void FakeGate::Hold() {
   held_ = true;
 }
 
+void FakeGate::HoldCancelled() {
+  const std::lock_guard lock(mutex_);
+  heeds_cancellation_ = false;
+}
+
 void FakeGate::Release() {
   const std::lock_guard lock(mutex_);
   held_ = false;
+  heeds_cancellation_ = true;
   changed_.notify_all();
 }
 
@@ -62,7 +68,8 @@ bool FakeGate::Pass(const ApplyOptions& options) {
   ++arrivals_;
   changed_.notify_all();
   // Polled, as the real one does between operations.
-  while (held_ && !is_cancelled()) changed_.wait_for(lock, std::chrono::milliseconds(1));
+  while (held_ && !(heeds_cancellation_ && is_cancelled()))
+    changed_.wait_for(lock, std::chrono::milliseconds(1));
   return !is_cancelled();
 }
 

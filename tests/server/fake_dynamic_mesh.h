@@ -23,6 +23,7 @@ namespace dynmesh::server {
 class FakeGate {
  public:
   void Hold();
+  void HoldCancelled();  // even when it is cancelled, as a batch that takes long to undo
   void Release();
   // Waits until `count` calls of Apply have reached the gate since its making.
   void WaitForArrivals(int count);
@@ -34,6 +35,7 @@ class FakeGate {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool held_ = false;
+  bool heeds_cancellation_ = true;
   int arrivals_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include "absl/strings/numbers.h"
@@ -27,7 +28,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Without an answer, while the server cannot be reached.
+// Without an answer, while the server cannot be reached. With --request-prefix only.
 constexpr std::chrono::seconds kPatience(30);
 constexpr absl::Duration kPause = absl::Milliseconds(200);
 
@@ -63,7 +64,9 @@ class Application {
     const Clock::time_point start = Clock::now();
     const absl::Status status = command_.one_by_one ? OneByOne() : Pipelined();
     progress_.End();
-    return status.ok() ? Summarise(Clock::now() - start) : status;
+    if (status.ok()) return Summarise(Clock::now() - start);
+    if (made_ && revisions_ == 0) WarnOfEmptyMesh(command_.id);
+    return status;
   }
 
  private:
@@ -73,7 +76,7 @@ class Application {
     io::ScriptParseOptions parse;
     parse.require_header = command_.create;
     if (!command_.create) {
-      const auto mesh = client_->GetMesh(command_.id);
+      const auto mesh = Patiently([&] { return client_->GetMesh(command_.id); });
       if (!mesh.ok()) return mesh.status();
       parse.dimension = mesh->options.dimension;
     }
@@ -92,12 +95,13 @@ class Application {
         return NameOption(s, MeshFlags(),
                           [this](std::string_view option) { return script_.WhereOption(option); });
       }
-      const auto made = client_->CreateMesh(command_.id, wanted);
+      const auto made = Patiently([&] { return client_->CreateMesh(command_.id, wanted); });
+      made_ = made.ok();
       if (made.ok() || made.status().code() != absl::StatusCode::kAlreadyExists) {
         return made.status();
       }
     }
-    const auto mesh = client_->GetMesh(command_.id);
+    const auto mesh = Patiently([&] { return client_->GetMesh(command_.id); });
     if (!mesh.ok()) return mesh.status();
     if (mesh->options.dimension != script_.dimension) {
       return absl::InvalidArgumentError(absl::StrFormat("%s has %d dimensions, the mesh has %d",
@@ -120,14 +124,23 @@ class Application {
     return params;
   }
 
+  // Calls again while the connection is cut, as far as that is safe.
+  template <typename Call>
+  std::invoke_result_t<const Call&> Patiently(const Call& call) const {
+    const Clock::time_point end = Clock::now() + kPatience;
+    auto result = call();
+    while (IsCut(result.status()) && Clock::now() < end) {
+      client_->PauseBeforeRetry(kPause);
+      result = call();
+    }
+    return result;
+  }
+
   absl::Status OneByOne() {
     for (std::size_t b = 0; b < script_.batches.size(); ++b) {
       const Clock::time_point start = Clock::now();
-      auto result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
-      for (const auto end = start + kPatience; IsCut(result.status()) && Clock::now() < end;) {
-        client_->PauseBeforeRetry(kPause);
-        result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
-      }
+      const auto result = Patiently(
+          [&] { return client_->Apply(command_.id, script_.batches[b].edits, Params(b)); });
       latencies_.push_back(Microseconds(Clock::now() - start));
       if (absl::Status status = Take(b, result); !status.ok()) return status;
     }
@@ -143,7 +156,7 @@ class Application {
       absl::Status cut;
       if (absl::Status s = Session(answered, cut); !s.ok() || cut.ok()) return s;
       if (answered > before) last = Clock::now(), in_vain = 0;
-      if (Clock::now() > last + kPatience) return cut;
+      if (Clock::now() > last + kPatience) return AtLine(answered, cut);
       if (in_vain > 0) client_->PauseBeforeRetry(kPause);
     }
   }
@@ -175,7 +188,10 @@ class Application {
     const absl::Status end = session->Finish();
     if (!status.ok() || !cut.ok()) return status;
     if (IsCut(end)) cut = end;
-    if (!end.ok()) return cut.ok() ? end : absl::OkStatus();
+    if (!end.ok()) {
+      if (!cut.ok()) return absl::OkStatus();
+      return answered < script_.batches.size() ? AtLine(answered, end) : end;
+    }
     if (answered == script_.batches.size()) return absl::OkStatus();
     return absl::DataLossError("the server did not answer every batch");
   }
@@ -205,7 +221,8 @@ class Application {
     return absl::UnavailableError("cannot write to standard output");
   }
 
-  // The error of a refused batch, at the line of the edit to blame.
+  // The error of a batch that was refused or not answered, at the line of the edit to blame. If the
+  // server is not there: how far the script has come, and how to go on.
   absl::Status AtLine(std::size_t batch, const absl::Status& status) const {
     const auto error = codec::GetServiceError(status);
     std::optional<std::size_t> edit;
@@ -214,8 +231,16 @@ class Application {
         absl::SimpleAtoi(error->metadata.at("edit"), &index)) {
       edit = index;
     }
-    return absl::Status(status.code(), text::Concat(script_.Where(batch, edit), ": ",
-                                                    text::View(status.message())));
+    std::string told =
+        text::Concat(script_.Where(batch, edit), ": ", text::View(WithReason(status).message()));
+    if (absl::IsUnavailable(status)) {
+      absl::StrAppendFormat(&told, "; %d of %d batches are known to be applied", batch,
+                            script_.batches.size());
+      told += command_.request_prefix.empty()
+                  ? ". With --request-prefix the command goes on after a broken connection"
+                  : ". The same command applies the others: what is applied is not repeated";
+    }
+    return {status.code(), told};
   }
 
   absl::Status Summarise(Clock::duration took) {
@@ -249,6 +274,7 @@ class Application {
   io::EditScript script_;
   std::unique_ptr<client::MeshClient> client_;
   std::vector<double> latencies_;
+  bool made_ = false;  // the mesh, by this command
   std::uint64_t revisions_ = 0;
   std::uint64_t edits_ = 0;
   std::uint64_t replayed_ = 0;
@@ -259,7 +285,7 @@ class Application {
 
 int Run(const ApplyCommand& command) {
   const absl::Status status = Application(command).Run();
-  return status.ok() ? kExitDone : ReportError(status);
+  return status.ok() ? kExitDone : ReportServerError(status);
 }
 
 }  // namespace
@@ -273,8 +299,8 @@ void RegisterApplyCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_flag("--create", command->create,
                 "Create the mesh by the script's first line unless it exists");
   sub->add_option("--request-prefix", command->request_prefix,
-                  "Give batch N the request id PREFIX-N: applying again repeats nothing. After a "
-                  "broken connection the command goes on by itself, for up to 30 s")
+                  "Give batch N the request id PREFIX-N: applying again repeats nothing. While the "
+                  "server cannot be reached, the command tries for up to 30 s")
       ->type_name("PREFIX");
   sub->add_flag("--one-by-one", command->one_by_one,
                 "Wait for each answer, and tell how long they took");

@@ -9,11 +9,13 @@
 #include <tuple>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/words.h"
 #include "core/io/script/edit_script.h"
+#include "dynmesh/codec/service_error.h"
 
 namespace dynmesh::cli {
 
@@ -198,6 +200,20 @@ void AddLabels(const LabelColumn& labels, JsonObject& line) {
                        .AddText("name", label.name));
   }
   line.AddObjects("labels", rows);
+}
+
+absl::Status WithReason(const absl::Status& status) {
+  const auto error = codec::GetServiceError(status);
+  if (!error.has_value() || error->reason.empty()) return status;
+  return {status.code(), absl::StrCat(status.message(), " (", error->reason, ")")};
+}
+
+int ReportServerError(const absl::Status& status) { return ReportError(WithReason(status)); }
+
+void WarnOfEmptyMesh(const std::string& mesh) {
+  PrintWarning(absl::StrFormat(
+      "this command made the mesh %s, and nothing is in it: `dynmesh delete %s` deletes it", mesh,
+      mesh));
 }
 
 int Print(const std::string& text) {

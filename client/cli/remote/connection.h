@@ -47,6 +47,15 @@ void AddLabels(const LabelColumn& labels, JsonObject& line);
 // One line for a revision.
 std::string DiffLine(const MeshDiff& diff, const char* event, bool json);
 
+// The reason in the details of a server's error, such as JOURNAL_FAILED, behind its message: the
+// runbook is sorted by it. Other statuses are unchanged. Drops the details.
+absl::Status WithReason(const absl::Status& status);
+// ReportError of that.
+int ReportServerError(const absl::Status& status);
+
+// Another client may use the mesh by now: the command does not delete it.
+void WarnOfEmptyMesh(const std::string& mesh);
+
 // Prints, or reports that standard output failed. Returns the exit code.
 int Print(const std::string& text);
 

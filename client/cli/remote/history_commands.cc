@@ -33,16 +33,16 @@ std::string ScriptOf(const codec::FeaturesAt& found, const MeshOptions& options)
 
 int RunFeatures(const FeaturesCommand& command) {
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto info = (*client)->GetMesh(command.id);
-  if (!info.ok()) return ReportError(info.status());
+  if (!info.ok()) return ReportServerError(info.status());
   const auto found = (*client)->GetFeatures(command.id, command.revision);
-  if (!found.ok()) return ReportError(found.status());
+  if (!found.ok()) return ReportServerError(found.status());
   const std::string script = ScriptOf(*found, info->options);
   if (command.output.empty()) return Print(script);
   io::FileWriter out(command.output);
   out << script;
-  if (const absl::Status status = out.Close(); !status.ok()) return ReportError(status);
+  if (const absl::Status status = out.Close(); !status.ok()) return ReportServerError(status);
   return command.server.json
              ? Print(JsonObject()
                          .AddText("mesh", command.id)
@@ -63,11 +63,11 @@ struct RevertCommand {
 
 int RunRevert(const RevertCommand& command) {
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   client::EditParams params = command.params;
   params.omit_columns = true;
   const auto result = (*client)->RevertTo(command.id, command.revision, params);
-  if (!result.ok()) return ReportError(result.status());
+  if (!result.ok()) return ReportServerError(result.status());
   const std::string hash = result->diff.hash.ToHex();
   return command.server.json
              ? Print(JsonObject()

@@ -44,9 +44,9 @@ absl::StatusOr<std::vector<double>> ParsePositions(const std::vector<std::string
 
 int OfInput(const LfsCommand& command) {
   const absl::StatusOr<Input> input = LoadInput(command.of);
-  if (!input.ok()) return ReportError(input.status());
+  if (!input.ok()) return ReportServerError(input.status());
   const auto positions = ParsePositions(command.positions, input->options.dimension);
-  if (!positions.ok()) return ReportError(positions.status());
+  if (!positions.ok()) return ReportServerError(positions.status());
   const std::vector<double> sizes =
       LocalFeatureSizes(input->features, input->options.dimension, *positions);
   if (command.server.json) return Print(JsonObject().AddNumbers("lfs", sizes).ToLine());
@@ -59,20 +59,20 @@ int OfInput(const LfsCommand& command) {
 
 int OfQuadtree(const LfsCommand& command) {
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto info = (*client)->GetMesh(command.of);
-  if (!info.ok()) return ReportError(info.status());
+  if (!info.ok()) return ReportServerError(info.status());
   if (info->options.kind != MeshKind::kQuadtree) {
-    return ReportError(absl::FailedPreconditionError(
+    return ReportServerError(absl::FailedPreconditionError(
         absl::StrFormat("mesh %s is of kind delaunay, and the leaves of a quadtree tell the local "
                         "feature size; create one, or give an input file",
                         command.of)));
   }
   const int dimension = info->options.dimension;
   const auto positions = ParsePositions(command.positions, dimension);
-  if (!positions.ok()) return ReportError(positions.status());
+  if (!positions.ok()) return ReportServerError(positions.status());
   const auto located = (*client)->Locate(command.of, dimension, *positions);
-  if (!located.ok()) return ReportError(located.status());
+  if (!located.ok()) return ReportServerError(located.status());
   std::vector<double> least, greatest;
   std::string text;
   for (std::size_t i = 0; i < located->leaf_sides.size(); ++i) {

@@ -47,12 +47,13 @@ std::string Summarise(const client::LoadResult& result, std::size_t features, do
                          result.work.executed, result.hash.ToHex());
 }
 
-// The mesh's dimension must be the input's.
-absl::Status PrepareMesh(client::MeshClient& client, const LoadCommand& command,
-                         const Input& input) {
+// The mesh's dimension must be the input's. `made`: this command has made the mesh.
+absl::Status PrepareMesh(client::MeshClient& client, const LoadCommand& command, const Input& input,
+                         bool& made) {
   if (command.create) {
-    const auto made = client.CreateMesh(command.id, input.options);
-    if (made.status().code() != absl::StatusCode::kAlreadyExists) return made.status();
+    const absl::Status created = client.CreateMesh(command.id, input.options).status();
+    made = created.ok();
+    if (created.code() != absl::StatusCode::kAlreadyExists) return created;
   }
   const auto mesh = client.GetMesh(command.id);
   if (!mesh.ok()) return mesh.status();
@@ -64,10 +65,10 @@ absl::Status PrepareMesh(client::MeshClient& client, const LoadCommand& command,
 
 int Run(const LoadCommand& command) {
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
-  if (!input.ok()) return ReportError(input.status());
-  if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
+  if (!input.ok()) return ReportServerError(input.status());
+  if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportServerError(status);
   if (input->options.dimension == 3 && !input->holes.empty()) {
     input->warnings.push_back(
         absl::StrFormat("%s: %d seed(s) of 3D holes left out: `dynmesh mesh --inside` uses them",
@@ -78,7 +79,8 @@ int Run(const LoadCommand& command) {
     PrintWarning(left_out);
   }
   io::SetLabels(*input->labels, input->features);
-  if (auto s = PrepareMesh(**client, command, *input); !s.ok()) return ReportError(s);
+  bool made = false;
+  if (auto s = PrepareMesh(**client, command, *input, made); !s.ok()) return ReportServerError(s);
   ProgressBar bar(ErrorIsTerminal());
   client::LoadParams params;
   params.request_id = command.request_id;
@@ -93,9 +95,11 @@ int Run(const LoadCommand& command) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!result.ok()) {
+    if (made) WarnOfEmptyMesh(command.id);
     const auto error = codec::GetServiceError(result.status());
     if (!error.has_value()) return ReportError(result.status());
-    return ReportError(LocateFeatures(result.status(), error->Features(), input->where));
+    return ReportError(
+        LocateFeatures(WithReason(result.status()), error->Features(), input->where));
   }
   return Print(Summarise(*result, input->features.size(), took.count(), command.server.json));
 }

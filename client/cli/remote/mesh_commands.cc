@@ -28,14 +28,14 @@ int RunCreate(const CreateCommand& command) {
   MeshOptions options;
   if (!command.script.empty()) {
     const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
-    if (!script.ok()) return ReportError(script.status());
+    if (!script.ok()) return ReportServerError(script.status());
     options = script->Options();
     if (command.dimension && *command.dimension != options.dimension) {
-      return ReportError(absl::InvalidArgumentError(
+      return ReportServerError(absl::InvalidArgumentError(
           absl::StrFormat("--dimension: %s has %d dimensions", command.script, options.dimension)));
     }
   } else if (command.mesh.box.empty()) {
-    return ReportError(
+    return ReportServerError(
         absl::InvalidArgumentError("where may features lie? give --box or --like SCRIPT"));
   } else {
     options.dimension = command.dimension.value_or(2);
@@ -43,19 +43,19 @@ int RunCreate(const CreateCommand& command) {
     options.min_dihedral = DefaultMinDihedral(options.dimension);
   }
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto mesh = (*client)->CreateMesh(command.id, options, command.request_id);
-  return mesh.ok() ? Print(MeshLine(*mesh, command.server.json)) : ReportError(mesh.status());
+  return mesh.ok() ? Print(MeshLine(*mesh, command.server.json)) : ReportServerError(mesh.status());
 }
 
 int RunList(const ServerFlags& flags) {
   const auto client = Connect(flags);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto meshes = (*client)->ListMeshes();
-  if (!meshes.ok()) return ReportError(meshes.status());
+  if (!meshes.ok()) return ReportServerError(meshes.status());
   std::string text;
   for (const client::MeshInfo& mesh : *meshes) text += MeshLine(mesh, flags.json);
   return Print(text);
@@ -71,9 +71,9 @@ struct NamedCommand {
 
 int RunDelete(const NamedCommand& command) {
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const absl::Status status = (*client)->DeleteMesh(command.id);
-  if (!status.ok()) return ReportError(status);
+  if (!status.ok()) return ReportServerError(status);
   return command.server.json ? Print(JsonObject().AddText("deleted", command.id).ToLine())
                              : Print(command.id + " deleted\n");
 }
@@ -96,27 +96,27 @@ absl::StatusOr<Mesh> GetPart(client::MeshClient& client, const NamedCommand& com
 }
 
 int RunExport(const NamedCommand& command) {
-  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportServerError(status);
   MeshLabels labels;
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   const auto region = ParseRegionFlag(command.region);
-  if (!region.ok()) return ReportError(region.status());
+  if (!region.ok()) return ReportServerError(region.status());
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto info = (*client)->GetMesh(command.id);
-  if (!info.ok()) return ReportError(info.status());
+  if (!info.ok()) return ReportServerError(info.status());
   if (auto status = CheckOutputsOf(info->options, command.output); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   const auto mesh = GetPart(**client, command, *region, info->options);
-  if (!mesh.ok()) return ReportError(mesh.status());
+  if (!mesh.ok()) return ReportServerError(mesh.status());
   WarnOfUnknownRegions(*region, *mesh);
   labels.features = std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh->labels));
   labels.is_part = !command.region.empty();
   if (auto status = WriteOutputs(*mesh, info->options, command.output, labels); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   if (!command.server.json) {
     return Print(absl::StrFormat("revision %d: %d vertices, %d %s, hash %s\n", mesh->revision,

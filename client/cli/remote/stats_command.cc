@@ -100,26 +100,26 @@ absl::StatusOr<StatsWatch> WatchOf(const StatsCommand& command) {
 int Run(const StatsCommand& command) {
   if (command.watch->count() > 0) {
     if (IsMeshFile(command.mesh) || !command.file.svg.empty()) {
-      return ReportError(absl::InvalidArgumentError("--watch is of a server's meshes"));
+      return ReportServerError(absl::InvalidArgumentError("--watch is of a server's meshes"));
     }
     const auto watch = WatchOf(command);
-    if (!watch.ok()) return ReportError(watch.status());
+    if (!watch.ok()) return ReportServerError(watch.status());
     return RunStatsWatch(command.mesh, *watch, command.server);
   }
   if (IsMeshFile(command.mesh))
     return RunFileStats(command.mesh, command.file, command.server.json);
   if (!command.file.svg.empty()) {
-    return ReportError(absl::InvalidArgumentError(
+    return ReportServerError(absl::InvalidArgumentError(
         "--svg draws a mesh file's angles: export the mesh (-o MESH.node) and give that file"));
   }
   if (command.file.min_dihedral) {
-    return ReportError(absl::InvalidArgumentError(
+    return ReportServerError(absl::InvalidArgumentError(
         "--min-dihedral is of a mesh file: export the mesh (-o MESH.node) and give that file"));
   }
   const auto client = Connect(command.server);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   const auto status = (*client)->GetStats(command.mesh);
-  if (!status.ok()) return ReportError(status.status());
+  if (!status.ok()) return ReportServerError(status.status());
   return Print(command.server.json ? StatsJson(command.mesh, *status) : StatsText(*status));
 }
 

@@ -146,14 +146,14 @@ int RunStatsWatch(const std::string& mesh, const StatsWatch& watch, const Server
   ServerFlags flags = server;
   if (flags.timeout_seconds == 0) flags.timeout_seconds = kTimeoutSeconds;
   const auto client = Connect(flags);
-  if (!client.ok()) return ReportError(client.status());
+  if (!client.ok()) return ReportServerError(client.status());
   Figures figures(**client, mesh);
   const bool terminal = OutIsTerminal();
   absl::Time next = absl::Now();
   for (std::uint64_t i = 0; watch.count == 0 || i < watch.count; ++i) {
     if (signals.WaitUntil(next)) return kExitDone;
     const auto rows = figures.Next();
-    if (!rows.ok()) return ReportError(rows.status());
+    if (!rows.ok()) return ReportServerError(rows.status());
     std::string text = server.json ? Line(*rows) : Table(*rows);
     if (!server.json) {
       // On a terminal redraws from the top; else prints one table after the other.

@@ -106,24 +106,24 @@ class Printer final : public client::WatchListener {
 };
 
 int Run(const WatchCommand& command) {
-  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportServerError(status);
   if (!command.output.paths.empty() && !command.until.has_value()) {
-    return ReportError(absl::InvalidArgumentError("-o needs --until: of which revision?"));
+    return ReportServerError(absl::InvalidArgumentError("-o needs --until: of which revision?"));
   }
   MeshLabels labels;
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   const auto region = ParseServerRegionFlag(command.region);
-  if (!region.ok()) return ReportError(region.status());
+  if (!region.ok()) return ReportServerError(region.status());
   const auto connection = Connect(command.server);
-  if (!connection.ok()) return ReportError(connection.status());
+  if (!connection.ok()) return ReportServerError(connection.status());
   client::MeshClient* const client = connection->get();
   // Queried first, so that a wrong address or name is an error at once.
   const auto info = client->GetMesh(command.id);
-  if (!info.ok()) return ReportError(info.status());
+  if (!info.ok()) return ReportServerError(info.status());
   if (auto status = CheckOutputsOf(info->options, command.output); !status.ok()) {
-    return ReportError(status);
+    return ReportServerError(status);
   }
   Printer printer(command, *region);
   client::WatchOptions options;
@@ -134,7 +134,7 @@ int Run(const WatchCommand& command) {
   labels.features =
       std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(printer.mesh().labels));
   if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output, labels);
-  return status.ok() ? kExitDone : ReportError(status);
+  return status.ok() ? kExitDone : ReportServerError(status);
 }
 
 }  // namespace

@@ -244,7 +244,10 @@ class Mesh:
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,
               **edits: Any) -> Diff:
-        """Applies a batch of edits atomically: makes the next revision or, on an error, none.
+        """Applies a batch of edits atomically: makes the next revision.
+
+        A batch that is refused makes none. After `Unavailable` or a timeout it is unknown whether
+        a server has applied it: repeat it with the same `request_id`, which applies it once.
 
         Args:
             edits: applied in their order. `add_points`, `set_points`, `move_points`: a dict of id

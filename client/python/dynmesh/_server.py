@@ -1,6 +1,7 @@
 """Meshes at a server, and meshes in this process."""
 from __future__ import annotations
 
+import logging
 import os
 import pathlib
 import time
@@ -21,7 +22,9 @@ from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotF
     VersionMismatch
 
 T = TypeVar("T")
+_log = logging.getLogger("dynmesh")
 _LONGEST_PAUSE = 0.5  # in seconds; a call to a server that cannot be reached costs nothing
+_SILENT = 2.0  # the same: after that a call that waits for the server says so
 _GLANCE = 0.05  # the same: how often a pause looks whether the server is back
 Pem = Union[str, bytes, "os.PathLike[str]", None]
 
@@ -41,7 +44,8 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
         tls_key: the key of the client's certificate; PEM text or a path.
         timeout: limit of a call, in seconds; 0: none.
         retry_for: for how many seconds a call is retried while the server is unavailable. Edits
-            have ids, so none is applied twice.
+            have ids, so none is applied twice. A call that waits for more than two seconds says
+            so, as a warning of the logger "dynmesh".
         any_version: accepts a server of another version. Otherwise the first call raises
             `VersionMismatch` if the first two numbers of the versions differ.
         from_followers: reads ask the first server of `address` that can be reached, which may
@@ -172,8 +176,10 @@ class Server:
 
         Its argument is the extension module's client.
         """
-        until = time.monotonic() + self._retry_for
+        start = time.monotonic()
+        until = start + self._retry_for
         pause = 0.05
+        told = False
         while True:
             client = self._client
             if client is None:
@@ -185,8 +191,13 @@ class Server:
                 return function(client)
             except Unavailable as error:
                 wait = error.retry_after or pause
-                if time.monotonic() + wait > until:
+                now = time.monotonic()
+                if now + wait > until:
                     raise
+                if not told and now - start > _SILENT:
+                    told = True
+                    _log.warning("%s: %s; trying again for up to %.0f s (retry_for)",
+                                 self.address, error, until - now)
                 while wait > 0 and client.servers_returned() == returned:
                     time.sleep(min(wait, _GLANCE))
                     wait -= _GLANCE

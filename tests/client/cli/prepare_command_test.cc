@@ -62,7 +62,7 @@ TEST_F(PrepareCommand, WhatAMeshRefusesIsMended) {
   folder_.Write("boxes.off", solid.Off());
   const Outcome refused = Run("mesh boxes.off --exact");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_NE(refused.err.find("import INPUT --clean"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("the command without --exact mends"), std::string::npos) << refused.err;
   const Outcome made = Run("mesh boxes.off --json -o m.node");
   ASSERT_EQ(made.code, 0) << made.err;
   EXPECT_NE(made.err.find("boxes.off: mended: "), std::string::npos) << made.err;

@@ -190,6 +190,15 @@ def test_no_server():
         server.meshes()
 
 
+def test_a_call_that_waits_says_so(caplog):
+    with dynmesh.connect("127.0.0.1:1", retry_for=3) as server:
+        with pytest.raises(dynmesh.Unavailable):
+            server.meshes()
+    told = [r for r in caplog.records if r.name == "dynmesh"]
+    assert len(told) == 1 and told[0].levelname == "WARNING"
+    assert "127.0.0.1:1" in told[0].getMessage() and "retry_for" in told[0].getMessage()
+
+
 class OtherServer(grpc.GenericRpcHandler):
     """Tells a version, and knows no other call."""
 

@@ -178,6 +178,21 @@ void ExpectRefused(const absl::Status& status, const std::vector<FeatureId>& fea
   EXPECT_EQ(detail->features, features);
 }
 
+// A higher limit is advised where a mesh can have that many vertices (MostVertices).
+TEST(LeastVertices, AHigherLimitIsAdvisedWhereItHelps) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  options.limits.max_vertices = 1000;
+  const auto mesh = *DynamicMesh::Create(options);
+  for (const auto& [target, helps] : {std::pair{0.01, true}, {1e-6, false}}) {
+    const absl::Status status =
+        mesh->Validate(AddAll(std::vector{Feature::SizeDisc(1, 0.5, 0.5, 0.4, target)}));
+    ExpectRefused(status, {1});
+    EXPECT_EQ(status.message().find("create the mesh with a higher limit") != std::string::npos,
+              helps)
+        << status;
+  }
+}
+
 // By a mesh with content, and by its validation.
 void ExpectRefusedByAll(const MeshOptions& options, const std::vector<Feature>& present,
                         const EditBatch& batch, const std::vector<FeatureId>& features) {
