@@ -51,11 +51,30 @@ double HeightOf(const TriangleCorners& t) {
   return std::sqrt(Dot(normal, normal) / longest2);
 }
 
-std::vector<std::array<std::size_t, 3>> TriangulateHole(std::span<const Point3> chain) {
+namespace {
+
+// The value of a part of a triangulation from its two smaller parts and its triangle; less is
+// better.
+struct ByLeastAngle {
+  static double Of(double a, double b, const TriangleCorners& t) {
+    return std::max({a, b, LargestCotangent(t)});
+  }
+};
+struct ByArea {
+  static double Of(double a, double b, const TriangleCorners& t) {
+    const Point3 normal = NormalOf(t[0], t[1], t[2]);
+    return a + b + std::sqrt(Dot(normal, normal));
+  }
+};
+
+using Triple = std::array<std::size_t, 3>;
+
+template <class Measure>
+std::vector<Triple> Triangulate(std::span<const Point3> chain, std::span<const Triple> forbidden) {
   const std::size_t n = chain.size();
-  // Of the part from i to j: the cotangent of its least angle, and the third corner at its side.
+  // Of the part from i to j: its value, and the third corner at its side; 0: there is none.
   struct Best {
-    double cotangent = 0;
+    double value = 0;
     std::size_t apex = 0;
   };
   std::vector<Best> best(n * n);
@@ -64,13 +83,17 @@ std::vector<std::array<std::size_t, 3>> TriangulateHole(std::span<const Point3> 
       const std::size_t j = i + length;
       Best& of = best[i * n + j];
       for (std::size_t k = i + 1; k < j; ++k) {
-        const double cotangent = std::max({best[i * n + k].cotangent, best[k * n + j].cotangent,
-                                           LargestCotangent({chain[i], chain[k], chain[j]})});
-        if (k == i + 1 || cotangent < of.cotangent) of = {cotangent, k};
+        const Best &left = best[i * n + k], &right = best[k * n + j];
+        if ((k > i + 1 && left.apex == 0) || (j > k + 1 && right.apex == 0)) continue;
+        const double value = Measure::Of(left.value, right.value, {chain[i], chain[k], chain[j]});
+        if (of.apex != 0 && !(value < of.value)) continue;
+        if (std::ranges::find(forbidden, Triple{i, k, j}) != forbidden.end()) continue;
+        of = {value, k};
       }
     }
   }
-  std::vector<std::array<std::size_t, 3>> triangles;
+  if (best[n - 1].apex == 0) return {};
+  std::vector<Triple> triangles;
   std::vector<std::pair<std::size_t, std::size_t>> parts = {{0, n - 1}};
   while (!parts.empty()) {
     const auto [i, j] = parts.back();
@@ -83,6 +106,14 @@ std::vector<std::array<std::size_t, 3>> TriangulateHole(std::span<const Point3> 
   }
   std::sort(triangles.begin(), triangles.end());
   return triangles;
+}
+
+}  // namespace
+
+std::vector<Triple> TriangulateHole(std::span<const Point3> chain, HoleMeasure measure,
+                                    std::span<const Triple> forbidden) {
+  return measure == HoleMeasure::kArea ? Triangulate<ByArea>(chain, forbidden)
+                                       : Triangulate<ByLeastAngle>(chain, forbidden);
 }
 
 }  // namespace dynmesh::cleaning

@@ -1,5 +1,5 @@
-// The triangulation of a closed chain of nodes in space, without further nodes, whose least angle
-// is the largest. The chain need not be flat.
+// The best triangulation of a closed chain of nodes in 3D, without further nodes. The chain need
+// not be flat.
 //
 // A function of the chain's coordinates and numbering: of equally good triangulations the first one
 // is taken. Pure, thread-safe. O(n^3) for n nodes (G. Klincsek, Minimal triangulations of polygonal
@@ -29,9 +29,16 @@ double SquaredCircumradius(const TriangleCorners& triangle);
 // Its height over the longest edge.
 double HeightOf(const TriangleCorners& triangle);
 
-// Indices into `chain`, each triple ascending: so all are oriented as the chain. REQUIRES: at least
-// three nodes.
-std::vector<std::array<std::size_t, 3>> TriangulateHole(std::span<const Point3> chain);
+// The best triangulation has the largest least angle, or the least area. A chain that bounds a part
+// of a surface is folded less by the latter.
+enum class HoleMeasure { kLeastAngle, kArea };
+
+// Indices into `chain`, each triple ascending: so all are oriented as the chain. None is one of
+// `forbidden`, triples of that kind; empty if there is none without these. REQUIRES: at least three
+// nodes.
+std::vector<std::array<std::size_t, 3>> TriangulateHole(
+    std::span<const Point3> chain, HoleMeasure measure = HoleMeasure::kLeastAngle,
+    std::span<const std::array<std::size_t, 3>> forbidden = {});
 
 }  // namespace dynmesh::cleaning
 

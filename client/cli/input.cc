@@ -52,7 +52,7 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& flags,
                                   const io::GeometryOptions& options,
                                   std::optional<preparation::Report>& report) {
-  const preparation::PrepareOptions preparing = {flags.within};
+  const preparation::PrepareOptions preparing = {flags.within, flags.fill_holes};
   if (!flags.prepare || flags.refine || flags.merge_coplanar ||
       !preparation::MayBePrepared(path, preparing)) {
     return io::ReadGeometry(path, options);
@@ -62,6 +62,9 @@ absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& fla
   report = std::move(prepared->report);
   if (report->is_mended) {
     prepared->geometry.warnings.push_back(Concat(path, ": mended: ", preparation::TextOf(*report)));
+  }
+  if (const std::string loops = preparation::TextOfLoops(*report); !loops.empty()) {
+    prepared->geometry.warnings.push_back(Concat(path, ": ", loops));
   }
   return std::move(prepared->geometry);
 }
@@ -116,6 +119,12 @@ void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
           "diagonal of the input's box). Given, 3D .poly, .smesh, .msh and .mesh are mended, "
           "too")
       ->type_name("D")
+      ->excludes(exact);
+  command
+      .add_option("--fill-holes", flags.fill_holes,
+                  "Of a surface: fill holes, loops of edges with one face, up to this length. Flat "
+                  "ones become a polygon, others triangles of their corners")
+      ->type_name("LENGTH")
       ->excludes(exact);
 }
 

@@ -36,15 +36,18 @@ struct Input : io::Geometry {
 struct InputFlags : io::GeometryOptions {
   bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
-  // Prepare files that are prepared by default (preparation/prepare.h), or, with `within`, any.
+  // Prepare files that are prepared by default (preparation/prepare.h), or, with `within` or
+  // `fill_holes`, any.
   bool prepare = false;
   std::optional<double> within;
+  std::optional<double> fill_holes;  // the longest (preparation/open_loops.h)
   // A map's polygons are polygons even without `polygons`.
   bool is_map_of_polygons = false;
 };
 // --keep-facets, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
-// Of commands that make a mesh of a file, or compare them: --exact, --within and --segments.
+// Of commands that make a mesh of a file, or compare them: --exact, --within, --fill-holes and
+// --segments.
 void AddPreparationFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of

@@ -57,8 +57,18 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
       .Add("farthest", report.farthest)
       .Add("open_edges_read", report.open_edges)
       .Add("open_edges", report.open_edges_after)
+      .Add("open_loops", report.open_loops.size())
       .Add("prepare_seconds", report.seconds)
       .AddObject("changes", changes);
+  std::vector<JsonObject> loops;
+  for (const preparation::OpenLoop& loop : report.open_loops) {
+    if (loops.size() == kMostTold) break;
+    JsonObject& told = loops.emplace_back();
+    told.Add("edges", loop.corners.size()).Add("length", loop.length);
+    told.Add("x", loop.middle[0]).Add("y", loop.middle[1]).Add("z", loop.middle[2]);
+  }
+  if (!loops.empty()) summary.AddObjects("shortest_loops", loops);
+  if (!report.unfilled.ok()) summary.AddText("unfilled", text::View(report.unfilled.message()));
   if (!report.found.ok()) summary.AddText("found", text::View(report.found.message()));
 }
 

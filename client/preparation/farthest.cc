@@ -16,6 +16,7 @@
 #include "client/cleaning/surface_polygons.h"
 #include "client/cleaning/tolerance_field.h"
 #include "client/cleaning/vectors3.h"
+#include "client/preparation/positions.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 
@@ -30,14 +31,6 @@ using cleaning::Point3;
 
 // A part of an edge may be cut so often, and more for each target.
 constexpr std::size_t kPieces = 64, kPiecesOfTarget = 8;
-
-absl::flat_hash_map<FeatureId, Point3> PositionsOf(const std::vector<Feature>& features) {
-  absl::flat_hash_map<FeatureId, Point3> at;
-  for (const Feature& f : features) {
-    if (IsPoint(f)) at[f.id] = f.position;
-  }
-  return at;
-}
 
 // ---- edges: a line segment by its ends, the lesser one first
 

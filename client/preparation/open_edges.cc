@@ -9,6 +9,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/node_table.h"
+#include "client/preparation/positions.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 
@@ -33,16 +34,15 @@ void DropUnusedPoints(std::vector<Feature>& features) {
 
 std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
   absl::flat_hash_map<EdgeKey, int> faces_at;
-  absl::flat_hash_map<FeatureId, cleaning::Point3> at;
   for (const Feature& f : features) {
-    if (IsPoint(f)) at[f.id] = f.position;
     if (!IsPolygon(f)) continue;
     ForEachEdgeOf(f.rings, [&](FeatureId p, FeatureId q) { ++faces_at[KeyOf(p, q)]; });
   }
+  const Positions at = PositionsOf(features);
   std::vector<OpenEdge> open;
   for (const auto& [edge, faces] : faces_at) {
     if (faces != 1) continue;
-    const cleaning::Point3 ends[] = {at[edge.first], at[edge.second]};
+    const cleaning::Point3 ends[] = {at.at(edge.first), at.at(edge.second)};
     open.push_back({edge.first, edge.second, cleaning::Box3::Of(ends)});
   }
   return open;

@@ -35,6 +35,8 @@ constexpr double kRoundings = 32;
 // In degrees. What meets at a lesser angle becomes one, in a surface that a mesh refuses for an
 // angle: twice what it takes at a corner.
 constexpr double kLeastAngle = 0.002;
+// Open loops that are told one by one.
+constexpr std::size_t kLoopsTold = 5;
 // Distances are told up to a factor of 2, from this share of the tolerance on.
 constexpr double kLeastBound = 1.0 / 16;
 
@@ -315,10 +317,41 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   return best;
 }
 
+// `prepared` with its holes filled, if a mesh accepts that; else as it is.
+void Fill(double longest, const io::GeometryOptions& reading, Prepared& prepared) {
+  Geometry filled = prepared.geometry;
+  const std::size_t count = FillLoops(longest, filled.features);
+  if (count == 0) return;
+  Report& report = prepared.report;
+  report.unfilled = Refusal(filled);
+  if (IsOfFeatures(report.unfilled)) {
+    // Its polygons may have several rings: they are cleaned as those of a file of facets.
+    const Cleaner cleaner(filled, reading, /*is_surface=*/false, /*is_closed=*/false,
+                          report.within - report.farthest);
+    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, report, /*to_close=*/false);
+    if (!mended.ok() || !*mended) return;
+    filled = std::move((*mended)->geometry);
+    report.farthest += (*mended)->report.farthest;
+    report.tolerance = std::max(report.tolerance, (*mended)->report.tolerance);
+    for (const auto& change : (*mended)->report.changes) report.changes.push_back(change);
+    report.unfilled = absl::OkStatus();
+  }
+  if (!report.unfilled.ok()) return;
+  prepared.geometry = std::move(filled);
+  report.is_mended = true;
+  report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
+  AddCount("hole filled", count, report);
+}
+
+absl::Status CheckLength(const char* flag, const std::optional<double>& length) {
+  if (!length || (*length > 0 && std::isfinite(*length))) return absl::OkStatus();
+  return absl::InvalidArgumentError(Concat(flag, ": it must be above 0, found ", *length));
+}
+
 }  // namespace
 
 bool MayBePrepared(const std::string& path, const PrepareOptions& options) {
-  if (options.within) return true;
+  if (options.within || options.fill_holes) return true;
   const io::Format* const format = io::FindFormat(path);
   if (format == nullptr) return false;
   if (format->Is(io::kSurface) || format->Is(io::kMap)) return true;
@@ -327,12 +360,18 @@ bool MayBePrepared(const std::string& path, const PrepareOptions& options) {
 
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
                                  const PrepareOptions& options) {
-  if (options.within && !(*options.within > 0 && std::isfinite(*options.within))) {
-    return absl::InvalidArgumentError(
-        Concat("--within: it must be above 0, found ", *options.within));
+  for (const auto& [flag, length] :
+       {std::pair("--within", options.within), {"--fill-holes", options.fill_holes}}) {
+    if (absl::Status status = CheckLength(flag, length); !status.ok()) return status;
   }
   const auto start = std::chrono::steady_clock::now();
-  const auto timed = [&](Prepared prepared) {
+  const auto finish = [&](Prepared prepared) {
+    if (options.fill_holes && prepared.report.open_edges_after != 0) {
+      Fill(*options.fill_holes, reading, prepared);
+    }
+    if (prepared.report.open_edges_after != 0) {
+      prepared.report.open_loops = OpenLoopsOf(prepared.geometry.features);
+    }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     prepared.report.seconds = seconds.count();
     return prepared;
@@ -358,11 +397,12 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   if (given.ok()) {
     as_read.geometry = *std::move(given);
     const Geometry& geometry = as_read.geometry;
-    if (geometry.options.dimension == 3 && !is_surface && !options.within) return as_read;
+    const bool in_space = geometry.options.dimension == 3;
+    if (in_space && !is_surface && !options.within && !options.fill_holes) return as_read;
     const double within = within_of(geometry);
     to_close = Describe(geometry, within, as_read.report);
     const absl::Status& found = as_read.report.found;
-    if (found.ok() ? !to_close : !IsOfFeatures(found)) return timed(std::move(as_read));
+    if (found.ok() ? !to_close : !IsOfFeatures(found)) return finish(std::move(as_read));
   } else {
     as_read.report.found = unread;
   }
@@ -376,10 +416,10 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));
     }
-    if (*mended) return timed(**std::move(mended));
+    if (*mended) return finish(**std::move(mended));
   }
   if (!unread.ok()) return unread;
-  return timed(std::move(as_read));
+  return finish(std::move(as_read));
 }
 
 std::string TextOf(const Report& report) {
@@ -392,6 +432,26 @@ std::string TextOf(const Report& report) {
                             report.tolerance);
   }
   return text;
+}
+
+std::string TextOfLoops(const Report& report) {
+  if (report.open_loops.empty()) return "";
+  const std::size_t count = report.open_loops.size();
+  std::string text = Concat(count, count == 1 ? " loop" : " loops", " of edges with one face: ");
+  const std::size_t told = std::min(count, kLoopsTold);
+  for (std::size_t i = 0; i < told; ++i) {
+    const OpenLoop& loop = report.open_loops[i];
+    text += absl::StrFormat("%s%d edges, %.4g long, round (%.4g, %.4g, %.4g)", i == 0 ? "" : "; ",
+                            loop.corners.size(), loop.length, loop.middle[0], loop.middle[1],
+                            loop.middle[2]);
+  }
+  if (told < count) {
+    text += absl::StrFormat("; others up to %.4g long", report.open_loops.back().length);
+  }
+  if (!report.unfilled.ok()) {
+    return Concat(text, ". Filled, a mesh refuses it: ", text::View(report.unfilled.message()));
+  }
+  return text + ". --fill-holes LENGTH fills those up to LENGTH";
 }
 
 }  // namespace dynmesh::preparation

@@ -13,6 +13,11 @@
 //
 // Also of a surface with open edges: if some tolerance closes all of them within D, it is taken.
 //
+// Then holes are filled, if asked for: loops of open edges up to a length (open_loops.h). If a mesh
+// refuses what they are filled with, the surface is cleaned once more, with what is left of D. If
+// that does not help, no hole is filled, and `unfilled` says why. The distance is that of all but
+// the filling.
+//
 // A function of the file; of coordinates, but for ids. Thread-safe. Expected O(n lg n) for each
 // tolerance.
 #ifndef DYNMESH_CLIENT_PREPARATION_PREPARE_H_
@@ -26,6 +31,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/preparation/open_loops.h"
 #include "core/io/formats/geometry.h"
 
 namespace dynmesh::preparation {
@@ -35,14 +41,18 @@ inline constexpr double kDefaultWithin = 1e-4;
 
 struct PrepareOptions {
   // D, in the input's units. Given, files of all formats are prepared.
-  std::optional<double> within;
+  std::optional<double> within = {};
+  // Of 3D: the longest loop of open edges that is filled. Given, files of all formats are prepared.
+  std::optional<double> fill_holes = {};
 };
 
 struct Report {
   bool is_mended = false;  // else the input is as it was read
   absl::Status found;      // what a mesh refuses of the input first; OK if nothing
   std::size_t open_edges = 0, open_edges_after = 0;  // 3D: with one face
-  double within = 0;                                 // D
+  std::vector<OpenLoop> open_loops;                  // after all, by ascending length
+  absl::Status unfilled;               // what a mesh refuses of the surface with its holes filled
+  double within = 0;                   // D
   double tolerance = 0, farthest = 0;  // of the cleaning; a bound of how far the result is
   double seconds = 0;
   // What was done: "points merged", and how often. Only what was done.
@@ -54,18 +64,22 @@ struct Prepared {
   Report report;
 };
 
-// May a file with this extension be prepared? Without a distance: surfaces, maps, and points and
-// segments of Triangle (not facets of TetGen, which have the same extension); no scripts and
-// meshes.
+// May a file with this extension be prepared? Without a distance or a length: surfaces, maps, and
+// points and segments of Triangle (not facets of TetGen, which have the same extension); no scripts
+// and meshes.
 bool MayBePrepared(const std::string& path, const PrepareOptions& options);
 
 // A file that is not to be prepared is as io::ReadGeometry reads it.
-// INVALID_ARGUMENT for a `within` that is not above 0 and finite; else as io::ReadGeometry.
+// INVALID_ARGUMENT for a `within` or `fill_holes` that is not above 0 and finite; else as
+// io::ReadGeometry.
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
                                  const PrepareOptions& options);
 
-// "3 points merged, 2 edges split; at most 1.2e-07 from the input".
+// "3 x points merged, 2 x edge split; at most 1.2e-07 from the input, tolerance 1e-9".
 std::string TextOf(const Report& report);
+// Of a surface with open loops: how many, the lengths and places of the shortest, and the flag that
+// fills them, or why that did not help. Else empty.
+std::string TextOfLoops(const Report& report);
 
 }  // namespace dynmesh::preparation
 

@@ -15,7 +15,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/words.h"
 #include "core/io/script/edit_script.h"
-#include "dynmesh/codec/service_error.h"
+#include "proto/codec/status_codec.h"
 
 namespace dynmesh::cli {
 

@@ -32,7 +32,9 @@ class FileInput:
     warnings: list[str]
     #: Of `read_surface`: "mended" (else the file is as it was read), "found" (what a mesh refuses of
     #: it, or ""), "within", "tolerance", "farthest" (a bound of how far it moved, up to a factor of
-    #: 2), "open_edges_read", "open_edges", "seconds", and "changes", counts by kind.
+    #: 2), "open_edges_read", "open_edges", "open_loops" (those left, by ascending length: "points",
+    #: "length", "middle"), "unfilled" (what a mesh refuses of it with its holes filled, or ""),
+    #: "seconds", and "changes", counts by kind.
     preparation: dict[str, Any] = field(default_factory=dict)
 
 
@@ -74,7 +76,8 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
 
 
 def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] = None,
-                 polygons: bool = True, keep_facets: bool = False) -> FileInput:
+                 fill_holes: Optional[float] = None, polygons: bool = True,
+                 keep_facets: bool = False) -> FileInput:
     """The features in a surface file or a map, mended where a mesh refuses them.
 
     The same as the command `dynmesh mesh` does. A file that a mesh accepts is as `read_input` reads
@@ -86,12 +89,14 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
 
     Args:
         path: as of `read_input`. Surfaces, maps, and 2D .poly and .node are prepared; others if
-            `within` is given.
+            `within` or `fill_holes` is given.
         within: how far an edge or a face may move, to both sides; None: 1e-4 of the diagonal of the
             input's box.
+        fill_holes: of 3D: holes, loops of edges with one face, are filled up to this length. Flat
+            ones become a polygon, others triangles of their corners.
         polygons: rings of a map are polygons, not segments.
         keep_facets: as of `read_input`.
     """
-    read = _core.read_surface(os.fspath(path), within, polygons, keep_facets)
+    read = _core.read_surface(os.fspath(path), within, fill_holes, polygons, keep_facets)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
                      read["warnings"], read["preparation"])

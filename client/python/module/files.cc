@@ -40,15 +40,15 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
 }
 
 // "mended" and so on: what was done, and how far the result is from the file.
-py::dict ReadSurface(const std::string& path, std::optional<double> within, bool polygons,
-                     bool keep_facets) {
+py::dict ReadSurface(const std::string& path, std::optional<double> within,
+                     std::optional<double> fill_holes, bool polygons, bool keep_facets) {
   absl::StatusOr<preparation::Prepared> prepared = absl::UnknownError("");
   {
     py::gil_scoped_release release;
     io::GeometryOptions reading;
     reading.polygons = polygons;
     reading.keep_facets = keep_facets;
-    prepared = preparation::Prepare(path, reading, {within});
+    prepared = preparation::Prepare(path, reading, {within, fill_holes});
   }
   preparation::Prepared value = Value(std::move(prepared));
   const preparation::Report& report = value.report;
@@ -60,6 +60,16 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within, bool
   told["farthest"] = report.farthest;
   told["open_edges_read"] = report.open_edges;
   told["open_edges"] = report.open_edges_after;
+  py::list loops;
+  for (const preparation::OpenLoop& loop : report.open_loops) {
+    py::dict row;
+    row["points"] = loop.corners;
+    row["length"] = loop.length;
+    row["middle"] = loop.middle;
+    loops.append(std::move(row));
+  }
+  told["open_loops"] = loops;
+  told["unfilled"] = std::string(text::View(report.unfilled.message()));
   told["seconds"] = report.seconds;
   py::dict changes;
   for (const auto& [what, count] : report.changes) changes[py::str(what)] = count;
@@ -74,8 +84,8 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within, bool
 void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));
-  module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"), py::arg("polygons"),
-             py::arg("keep_facets"));
+  module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"),
+             py::arg("fill_holes"), py::arg("polygons"), py::arg("keep_facets"));
 }
 
 }  // namespace dynmesh::python

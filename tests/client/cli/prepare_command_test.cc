@@ -56,13 +56,43 @@ TEST_F(PrepareCommand, OfAnOpenSurfaceTheWholeBoxIsWritten) {
   EXPECT_EQ(Run("mesh open.off --inside").code, 2);
 }
 
+TEST_F(PrepareCommand, HolesAreToldAndFilledOnRequest) {
+  Solid solid = BoxSolid({0, 0, 0}, {1, 2, 3});
+  folder_.Write("closed.off", solid.Off());
+  solid.faces.erase(solid.faces.begin() + 2, solid.faces.begin() + 4);
+  folder_.Write("open.off", solid.Off());
+  const Outcome open = Run("mesh open.off --json -o m.node");
+  ASSERT_EQ(open.code, 0) << open.err;
+  EXPECT_NE(
+      open.err.find("open.off: 1 loop of edges with one face: 4 edges, 6 long, round (0.5, 1, "
+                    "3). --fill-holes LENGTH fills those up to LENGTH"),
+      std::string::npos)
+      << open.err;
+  EXPECT_EQ(Value(open.out, "open_loops"), "1");
+  EXPECT_NE(open.out.find("\"shortest_loops\": [{\"edges\": 4, \"length\": 6,"), std::string::npos)
+      << open.out;
+  const Outcome less = Run("mesh open.off --json -o m.node --fill-holes 5.9");
+  EXPECT_EQ(Value(less.out, "hash"), Value(open.out, "hash"));
+  const Outcome filled = Run("mesh open.off --json -o m.node --fill-holes 6");
+  ASSERT_EQ(filled.code, 0) << filled.err;
+  EXPECT_EQ(Value(filled.out, "hole_filled"), "1") << filled.out;
+  EXPECT_EQ(Value(filled.out, "open_edges"), "0");
+  const Outcome closed = Run("mesh closed.off --json -o c.node");
+  EXPECT_EQ(Value(filled.out, "vertices"), Value(closed.out, "vertices"));
+  EXPECT_EQ(Value(filled.out, "simplices"), Value(closed.out, "simplices"));
+  EXPECT_EQ(Run("verify m.node --input open.off --fill-holes 6").code, 0);
+  EXPECT_EQ(Run("mesh open.off --fill-holes 0").code, 2);
+  EXPECT_EQ(Run("mesh open.off --fill-holes 6 --exact").code, 2);
+}
+
 TEST_F(PrepareCommand, WhatAMeshRefusesIsMended) {
   Solid solid = BoxSolid({0, 0, 0}, {1, 1, 1});
   solid.Add(BoxSolid({0.3, 0.4, 0.5}, {1.5, 1.6, 1.7}));
   folder_.Write("boxes.off", solid.Off());
   const Outcome refused = Run("mesh boxes.off --exact");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_NE(refused.err.find("the command without --exact mends"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("the command without --exact mends"), std::string::npos)
+      << refused.err;
   const Outcome made = Run("mesh boxes.off --json -o m.node");
   ASSERT_EQ(made.code, 0) << made.err;
   EXPECT_NE(made.err.find("boxes.off: mended: "), std::string::npos) << made.err;

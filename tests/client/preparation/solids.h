@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "dynmesh/feature.h"
+
 namespace dynmesh::test {
 
 // Points and triangles, oriented with their normals outwards. A box has 8 and 12.
@@ -22,6 +24,17 @@ struct Solid {
   }
   void TurnInsideOut() {
     for (auto& face : faces) std::swap(face[1], face[2]);
+  }
+  // Points 1, 2, ..., then triangles.
+  std::vector<Feature> Features() const {
+    std::vector<Feature> features;
+    for (const auto& [x, y, z] : points) {
+      features.push_back(Feature::Point(features.size() + 1, x, y, z));
+    }
+    for (const auto& [a, b, c] : faces) {
+      features.push_back(Feature::Polygon(features.size() + 1, {{a + 1, b + 1, c + 1}}));
+    }
+    return features;
   }
   std::string Off() const {
     std::string text =

@@ -95,5 +95,11 @@ def test_a_surface_that_a_mesh_refuses_is_mended(tmp_path):
     dynmesh.open(**mended.options).apply(**mended.edits)
     crack = dynmesh.read_surface(write("crack.off", box(0.0, 1.0, 1.000001)))
     assert (crack.preparation["open_edges_read"], crack.preparation["open_edges"]) == (8, 0)
+    points, lines = box(0.0, 1.0)
+    open_box = write("open.off", (points, lines[:-1]))
+    assert [loop["length"] for loop in dynmesh.read_surface(open_box).preparation["open_loops"]] == [4]
+    filled = dynmesh.read_surface(open_box, fill_holes=4)
+    assert filled.preparation["open_loops"] == [] and filled.preparation["open_edges"] == 0
+    assert filled.preparation["changes"]["hole filled"] == 1
     with pytest.raises(dynmesh.InvalidArgument):
         dynmesh.read_surface(crossing, within=-1.0)
