@@ -63,16 +63,14 @@ class Answer:
 
 def part_of(mesh: dynmesh.Mesh, u: np.ndarray) -> Part:
     """The part of a mesh in the plate, without the cells in no polygon."""
-    inside = mesh.live_cells & (mesh.regions != 0)
-    slots, cells = np.unique(mesh.cells[inside], return_inverse=True)
+    part = mesh.part()
     # A set of several polygons has its own region id. region_sets has the polygons.
     in_disc = np.array([region for region, polygons in mesh.region_sets.items()
                         if DISC in polygons], np.uint64)
-    owned = (mesh.subsegments[:, 0] >= 0) & (mesh.subsegment_owners < 2**31)  # not the box's
-    return Part(mesh.points[slots], cells.reshape(-1, 3),
-                np.where(np.isin(mesh.regions[inside], in_disc), IN_DISC, IN_PLATE),
-                np.searchsorted(slots, mesh.subsegments[owned]),
-                np.minimum(mesh.subsegment_owners[owned], WIRE).astype(np.int32), slots, u[slots])
+    slots = part.vertex_slots
+    return Part(part.points, part.cells,
+                np.where(np.isin(part.cell_regions, in_disc), IN_DISC, IN_PLATE), part.facets,
+                np.minimum(part.facet_owners, WIRE).astype(np.int32), slots, u[slots])
 
 
 def disc(step: int, steps: int) -> dict[int, tuple[float, float]]:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Optional, Protocol
+from typing import TYPE_CHECKING, Any, Callable, Optional, Protocol, Union
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from dynmesh import _batch, _core
 from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
 from dynmesh._fields import Fields
+from dynmesh._part import Ids, Part
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
@@ -240,6 +241,26 @@ class Mesh:
     def compact(self) -> CompactMesh:
         """A copy without free rows, and the mapping of rows. O(mesh)."""
         return CompactMesh(**self._replica.compact())
+
+    def part(self, *, polygons: Ids = (), names: Union[str, Iterable[str]] = (),
+             inside: bool = False, without: Ids = ()) -> Part:
+        """The part of the mesh in chosen polygons: the domain of a simulation. O(mesh).
+
+        It follows the mesh by `Part.update`. **The whole mesh is larger than its features**: it is
+        that of a square (in 3D a cube) which reaches about six times (in 3D eight times) as far as
+        the box, so that the features stay what shapes the mesh.
+
+        Args:
+            polygons: ids of polygons. In 3D a polygon stands for the closed surface that has its id,
+                as in `regions`.
+            names: names of labels: the polygons that have one of them.
+            inside: all polygons that there are; so it is if neither ids nor names are given.
+            without: ids of polygons that are left out, as holes.
+
+        Raises `NotFound` for a name that no feature has.
+        """
+        everything = not names and isinstance(polygons, Iterable) and not list(polygons)
+        return Part(self, polygons, names, inside or everything, without)
 
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,

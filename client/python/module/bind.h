@@ -35,6 +35,7 @@ void BindEdits(pybind11::module_& module);
 void BindMesh(pybind11::module_& module);
 void BindTransfer(pybind11::module_& module);
 void BindClient(pybind11::module_& module);
+void BindPart(pybind11::module_& module);
 void BindFiles(pybind11::module_& module);
 
 }  // namespace dynmesh::python

@@ -108,12 +108,13 @@ class ColumnCopies {
       values = SlotColumn<T>(column);
     } else {
       const bool knows = log.Knows(copy->version);
-      const std::size_t same = knows ? values.size() : 0;
+      const std::size_t same = knows ? std::min(values.size(), column.size()) : 0;
       values.resize(column.size(), T());
       std::copy(column.data() + same, column.data() + column.size(), values.data() + same);
       if (knows) {
         log.ForEachSince(copy->version, [&](Slot row) {
           const std::size_t at = static_cast<std::size_t>(row) * width;
+          if (at >= column.size()) return;  // the column was longer
           std::copy_n(column.data() + at, width, values.data() + at);
         });
       }

@@ -54,6 +54,7 @@ PYBIND11_MODULE(_core, module) {
   });
   dynmesh::python::BindEdits(module);
   dynmesh::python::BindMesh(module);
+  dynmesh::python::BindPart(module);
   dynmesh::python::BindTransfer(module);
   dynmesh::python::BindClient(module);
   dynmesh::python::BindFiles(module);

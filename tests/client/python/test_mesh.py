@@ -288,3 +288,85 @@ mesh.apply(add_points={3: (0.25, 0.5)})
 
 def test_a_batch_that_does_not_fit_into_the_memory_is_an_error():
     subprocess.run([sys.executable, "-B", "-c", _MEMORY], check=True)
+
+
+def part_content(part):
+    """Cells and facets of a part by slots, in an order of their own."""
+    slots = part.vertex_slots
+    cells = np.column_stack([np.sort(slots[part.cells], axis=1), part.cell_slots])
+    facets = np.column_stack([np.sort(slots[part.facets], axis=1), part.facet_owners])
+    return sorted(map(tuple, cells)), sorted(map(tuple, facets)), sorted(slots)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_part_follows_its_mesh(make_mesh, dimension):
+    """A square, in 3D a box, with a hole; points come and go in and around it."""
+    mesh = make_mesh(box=[[0] * dimension, [1] * dimension])
+
+    def box(first, lo, hi):
+        corners = {first + i: [hi if i >> k & 1 else lo for k in range(dimension)]
+                   for i in range(2**dimension)}
+        rings = ([[0, 1, 3, 2]] if dimension == 2 else
+                 [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]])
+        faces = {first + 10 + i: [first + c for c in ring] for i, ring in enumerate(rings)}
+        return dict(add_points=corners, add_polygons=faces)
+
+    mesh.apply(**box(100, 0.1, 0.9), set_labels={110: dynmesh.Label(7, "plate")})
+    mesh.apply(**box(200, 0.4, 0.6), set_labels={210: dynmesh.Label(8, "hole")})
+    with pytest.raises(dynmesh.NotFound, match="no feature has the name 'plat'; names are: hole, plate"):
+        mesh.part(names="plat")
+    with pytest.raises(dynmesh.InvalidArgument, match="ids of polygons are integers"):
+        mesh.part(polygons="plate")
+    whole, plate, named = mesh.part(), mesh.part(polygons=110, without=[210]), mesh.part(names="hole")
+    random = np.random.default_rng(3)
+    old = plate.points
+    kept = old.copy()
+    for i in range(24):
+        if i % 2 == 0:
+            diff = mesh.apply(add_points={1000 + i + k: random.random(dimension) for k in range(2)})
+        else:
+            diff = mesh.apply(move_points={999 + i: random.random(dimension)})
+        for part in (whole, plate, named):
+            part.update(diff)
+            assert part.revision == mesh.revision
+        assert part_content(plate) == part_content(mesh.part(polygons=[110], without=210))
+    assert part_content(whole) == part_content(mesh.part(inside=True))
+    np.testing.assert_array_equal(old, kept)
+    corners = plate.points[plate.cells]
+    edges = corners[:, 1:] - corners[:, :1]
+    factor = {2: 2, 3: 6}[dimension]
+    volumes = np.linalg.det(edges) / factor
+    assert volumes.min() > 0
+    np.testing.assert_allclose(volumes.sum(), 0.8**dimension - 0.2**dimension)
+    np.testing.assert_array_equal(plate.vertex_numbers[plate.vertex_slots],
+                                  np.arange(len(plate.points)))
+    np.testing.assert_array_equal(plate.cell_numbers[plate.cell_slots], np.arange(len(plate.cells)))
+    np.testing.assert_array_equal(mesh.points[plate.vertex_slots], plate.points)
+    # The border is closed: outward normals times areas add up to zero, and enclose the volume.
+    border = plate.points[plate.facets[plate.is_border]]
+    if dimension == 2:
+        along = border[:, 1] - border[:, 0]
+        normals = np.column_stack([along[:, 1], -along[:, 0]])
+    else:
+        normals = np.cross(border[:, 1] - border[:, 0], border[:, 2] - border[:, 0]) / 2
+    np.testing.assert_allclose(normals.sum(axis=0), 0, atol=1e-12)
+    enclosed = np.einsum("ij,ij->", normals, border.mean(axis=1)) / dimension
+    np.testing.assert_allclose(enclosed, volumes.sum())
+    assert set(plate.facet_markers[plate.is_border]) >= ({7, 8} if dimension == 2 else {0, 7, 8})
+    assert set(named.facet_names[named.is_border]) >= {"hole"}
+    beside = plate.facet_cells
+    assert beside.shape == (len(plate.facets), 2) and beside[:, 0].min() >= 0
+    assert ((beside[:, 1] < 0) == plate.is_border).all()
+    # One that is behind is made anew; a diff that is over is refused.
+    behind = mesh.part()
+    mesh.apply(add_points={5000: random.random(dimension)})
+    late = mesh.apply(add_points={5001: random.random(dimension)})
+    behind.update(late)
+    assert part_content(behind) == part_content(mesh.part())
+    stale = mesh.apply(add_points={5002: random.random(dimension)})
+    mesh.apply(add_points={5003: random.random(dimension)})
+    with pytest.raises(dynmesh.StaleDiff):
+        behind.update(stale)
+    behind.update()
+    assert part_content(behind) == part_content(mesh.part())
+    assert "vertices" in repr(behind)

@@ -1,0 +1,102 @@
+// The part of a mesh that lies in chosen polygons, without gaps, kept up to date by diffs: the mesh
+// of a simulation's domain. The whole mesh reaches far beyond its features.
+//
+//   auto mesh = dynmesh::SlotMesh::FromMesh(snapshot);                 // check mesh.ok()
+//   dynmesh::MeshPart part(*mesh, {.polygons = {7}});                  // or .inside = true
+//   if (mesh->Apply(diff).ok()) status = part.Update(*mesh, {&diff, 1});
+//
+// Vertices, cells (triangles or tetrahedra) and facets (edges or faces) have numbers 0, 1, ... in
+// the part. An update keeps the numbers of what stays, except that the last ones fill the gaps.
+// Facets are the part's border and the subsegments (3D: subfacets) in it.
+//
+// Thread-compatible. Copies are deep.
+#ifndef DYNMESH_PART_H_
+#define DYNMESH_PART_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "dynmesh/mesh.h"
+#include "dynmesh/slot_mesh.h"
+
+namespace dynmesh {
+
+// Which cells are in the part: those in one of `polygons` or of the polygons with one of `names`
+// and in none of `without`. In 3D a polygon stands for the closed surface that has its id
+// (RegionId).
+struct PartChoice {
+  std::vector<FeatureId> polygons = {};  // by id
+  std::vector<std::string> names = {};   // by the names of their labels
+  bool inside = false;                   // all polygons that there are
+  std::vector<FeatureId> without = {};   // by id
+};
+
+// The part; see part.h.
+class MeshPart {
+ public:
+  // The part of `mesh`, a whole mesh: not the replica of a watch that follows some regions.
+  // Numbers are by ascending slot. O(mesh).
+  MeshPart(const SlotMesh& mesh, PartChoice choice);
+  MeshPart(const MeshPart& other);
+  MeshPart(MeshPart&& other) noexcept;
+  MeshPart& operator=(MeshPart other) noexcept;
+  ~MeshPart();
+
+  // Follows `mesh` after `diffs`: those of its last Apply and of the Extends since. Expected
+  // O(diffs + patch); O(mesh) if the polygons with one of the names are others now.
+  // FAILED_PRECONDITION if the mesh's patch is not that from revision() on, or `diffs` do not lead
+  // there. An error changes nothing.
+  absl::Status Update(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs);
+
+  int dimension() const;           // 2 or 3
+  std::uint64_t revision() const;  // of the mesh that it is of
+
+  // By vertex of the part.
+
+  const SlotColumn<double>& points() const;      // coordinates: vertices x dimension
+  const SlotColumn<Slot>& vertex_slots() const;  // its slot in the mesh
+
+  // By cell of the part.
+
+  const SlotColumn<std::int32_t>& cells() const;  // corners, positively oriented: x (dimension + 1)
+  const SlotColumn<Slot>& cell_slots() const;     // its slot in the mesh
+  const SlotColumn<RegionId>& cell_regions() const;  // its region
+
+  // By facet of the part.
+
+  // Corners: facets x dimension. At the border the part is on the left (3D: below the facet, whose
+  // corners are counter-clockwise as seen from outside); else of the first of its cells.
+  const SlotColumn<std::int32_t>& facets() const;
+  const SlotColumn<FeatureId>& facet_owners() const;  // as in SubsegmentColumns; kNoFeature: none
+  // The slots of the part's cells at the facet: facets x 2. The second one is kNoSlot at the
+  // border.
+  const SlotColumn<Slot>& facet_cells() const;
+
+  // By slot of the mesh: the number in the part; -1 where it is not in it.
+
+  const SlotColumn<std::int32_t>& vertex_numbers() const;
+  const SlotColumn<std::int32_t>& cell_numbers() const;
+
+  // The rows that the last Update has written, each once or more; those behind the former end may
+  // be missing, and some may be behind the present one. Of a new part, and after an O(mesh) update,
+  // all.
+  struct Changes {
+    bool is_all = true;
+    std::vector<std::int32_t> vertices, cells, facets;
+    std::vector<Slot> vertex_slots, cell_slots;  // whose numbers changed
+  };
+  const Changes& changes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_PART_H_
