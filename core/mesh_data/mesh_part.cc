@@ -530,6 +530,17 @@ absl::Status MeshPart::Update(const SlotMesh& mesh, std::span<const MeshDiff* co
   return state_->Update(mesh, diffs);
 }
 
+absl::StatusOr<Mesh> MeshPart::ToMesh(const SlotMesh& mesh) const {
+  if (mesh.dimension() != dimension() || mesh.revision() != revision()) {
+    return absl::FailedPreconditionError(Concat("the part is of revision ", revision(),
+                                                ", the mesh is at ", mesh.revision(),
+                                                ": update the part first"));
+  }
+  const Mesh whole = mesh.ToMesh();
+  if (!state_->IsEmptyChoice()) return mesh_data::OnlyInside(whole, state_->regions);
+  return mesh_data::OnlyRows(whole, std::vector<bool>(whole.simplex_count()));
+}
+
 int MeshPart::dimension() const { return state_->dimension; }
 std::uint64_t MeshPart::revision() const { return state_->revision; }
 const SlotColumn<double>& MeshPart::points() const { return state_->points; }

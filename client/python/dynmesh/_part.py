@@ -1,7 +1,8 @@
 """The part of a mesh in chosen polygons: the domain of a simulation."""
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -11,6 +12,8 @@ from dynmesh._types import Array, Label
 from dynmesh.errors import InvalidArgument, NotFound, StaleDiff
 
 if TYPE_CHECKING:
+    import meshio
+
     from dynmesh._diff import Diff
     from dynmesh._mesh import Mesh
 
@@ -79,6 +82,59 @@ class Part:
             raise StaleDiff(f"the mesh has left revision {diff.to_revision}: update the part before "
                             "the next edit is applied, or without a diff")
         self._part.update(self.mesh._replica, diff._parts)
+
+    def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, from_zero: bool = False,
+              neighbours: bool = False, voronoi: bool = False) -> None:
+        """Writes the part to a file, as the command does: a mesh of its own. O(mesh).
+
+        Formats: .msh (Gmsh 4.1), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
+        .face beside it), .svg (a picture); of a quadtree .csv, .vtu and .svg. Markers of features
+        are those of edges and faces, names are groups. Either the files are complete, or the former
+        ones stay. Raises `InvalidArgument` for another extension, `Unavailable` if a file cannot be
+        written.
+
+        Args:
+            path: the file; its extension says which format it has.
+            order: of the elements: 1, or 2 with a node in the middle of each edge.
+            from_zero: a .node and the files beside it are numbered from 0, not 1.
+            neighbours: with a .node, the neighbours of cells as .neigh.
+            voronoi: with a .node, the Voronoi diagram.
+        """
+        self._part.write(self.mesh._replica, self.mesh._options, os.fspath(path), dict(
+            order=order, from_zero=from_zero, neighbours=neighbours, voronoi=voronoi))
+
+    def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
+                  cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
+        """The part for meshio: its cells, then its facets.
+
+        Cell data are `region`, of cells, and `marker`, of facets. Facets of features with a name are
+        a set of that name. Points have as many coordinates as the mesh has dimensions.
+
+        Args:
+            point_data: arrays with one row per vertex of the part, by name.
+            cell_data: arrays with one row per cell of the part, by name; of facets they are 0.
+        """
+        import meshio
+
+        count, facets = len(self.cell_slots), len(self.facet_owners)
+        data = {"region": [self.cell_regions, np.zeros(facets, np.uint64)],
+                "marker": [np.zeros(count, np.int64), self.facet_markers]}
+        for what, given, rows in (("point_data", point_data, len(self.vertex_slots)),
+                                  ("cell_data", cell_data, count)):
+            for key, values in (given or {}).items():
+                if np.ndim(values) == 0 or len(values) != rows:
+                    raise InvalidArgument(f"{what}[{key!r}]: the part has {rows} rows; values by slot "
+                                          f"are brought to it by values[part."
+                                          f"{'vertex' if what == 'point_data' else 'cell'}_slots]")
+        for key, values in (cell_data or {}).items():
+            array = np.asarray(values)
+            data[key] = [array, np.zeros((facets, *array.shape[1:]), array.dtype)]
+        names = self.facet_names
+        sets = {str(name): [np.empty(0, np.int64), np.flatnonzero(names == name)]
+                for name in np.unique(names.astype(str)) if name}
+        blocks = ("triangle", "line") if self.mesh.dimension == 2 else ("tetra", "triangle")
+        return meshio.Mesh(self.points, [(blocks[0], self.cells), (blocks[1], self.facets)],
+                           point_data=dict(point_data or {}), cell_data=data, cell_sets=sets)
 
     @property
     def revision(self) -> int:

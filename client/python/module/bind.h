@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <string>
 
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/feature.h"
@@ -30,6 +31,10 @@ pybind11::list FeatureDicts(const std::vector<Feature>& features, int dimension)
 pybind11::list LabelTuples(const LabelColumn& labels);
 pybind11::dict OptionsDict(const MeshOptions& options);
 MeshOptions OptionsOf(const pybind11::dict& options);
+
+// Writes a mesh, or a part of one, as dynmesh::WriteMesh. `choices`: members of OutputChoices.
+void Write(const Mesh& mesh, const pybind11::dict& options, const std::string& path,
+           const pybind11::dict& choices, bool is_part);
 
 void BindEdits(pybind11::module_& module);
 void BindMesh(pybind11::module_& module);

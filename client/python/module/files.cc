@@ -81,6 +81,23 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
 
 }  // namespace
 
+void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
+           const py::dict& choices, bool is_part) {
+  OutputChoices output;
+  output.part = is_part;
+  output.order = choices["order"].cast<int>();
+  output.from_zero = choices["from_zero"].cast<bool>();
+  output.neighbours = choices["neighbours"].cast<bool>();
+  output.voronoi = choices["voronoi"].cast<bool>();
+  const MeshOptions made_with = OptionsOf(options);
+  absl::Status status;
+  {
+    py::gil_scoped_release release;
+    status = WriteMesh(mesh, made_with, path, output);
+  }
+  Check(status);
+}
+
 void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));

@@ -276,6 +276,17 @@ void BindMesh(py::module_& module) {
                                return LabelTuples(labels);
                              })
       .def("compact", &CompactDict)
+      .def(
+          "write",
+          [](SharedMesh& m, const py::dict& options, const std::string& path,
+             const py::dict& choices) {
+            const Mesh whole = [&m] {
+              const PatientLock lock(m.mutex());
+              return m.replica().ToMesh();
+            }();
+            Write(whole, options, path, choices, /*is_part=*/false);
+          },
+          py::arg("options"), py::arg("path"), py::arg("choices"))
       .def("patch", &PatchDict)
       .def("find", &Find)
       .def("find_cells", &FindCells);

@@ -42,6 +42,12 @@ class SharedPart {
     return absl::OkStatus();
   }
 
+  absl::StatusOr<Mesh> ToMesh(SharedMesh& mesh) {
+    const MutexLock mesh_lock(mesh.mutex());
+    const MutexLock lock(mutex_);
+    return part_.ToMesh(mesh.replica());
+  }
+
   int dimension() const { return dimension_; }
   std::uint64_t revision() {
     const MutexLock lock(mutex_);
@@ -134,6 +140,18 @@ void BindPart(py::module_& module) {
             Check(status);
           },
           py::arg("mesh"), py::arg("diffs"))
+      .def(
+          "write",
+          [](SharedPart& part, SharedMesh& mesh, const py::dict& options, const std::string& path,
+             const py::dict& choices) {
+            absl::StatusOr<Mesh> own = absl::UnknownError("");
+            {
+              py::gil_scoped_release release;
+              own = part.ToMesh(mesh);
+            }
+            Write(Value(std::move(own)), options, path, choices, /*is_part=*/true);
+          },
+          py::arg("mesh"), py::arg("options"), py::arg("path"), py::arg("choices"))
       .def_property_readonly("revision", &SharedPart::revision)
       .def_property_readonly("points", Column(&SharedPart::points, 0))
       .def_property_readonly("cells", Column(&SharedPart::cells, 1))

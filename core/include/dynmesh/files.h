@@ -79,6 +79,7 @@ struct OutputChoices {
   bool from_zero = false;   // a .node and the files beside it are numbered from 0, not 1
   bool neighbours = false;  // with a .node, the neighbours of simplices as .neigh
   bool voronoi = false;     // with a .node, the Voronoi diagram as .v.node and .v.edge
+  bool part = false;        // the mesh is a part of a mesh (KeepInside, MeshPart): a .node says so
 };
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/slot_mesh.h"
 
@@ -52,6 +53,11 @@ class MeshPart {
   // FAILED_PRECONDITION if the mesh's patch is not that from revision() on, or `diffs` do not lead
   // there. An error changes nothing.
   absl::Status Update(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs);
+
+  // The part as a mesh of its own, with its subsegments and subfacets, the region sets and labels
+  // of the whole and the hash of the part. O(mesh). FAILED_PRECONDITION if `mesh` is not at
+  // revision().
+  absl::StatusOr<Mesh> ToMesh(const SlotMesh& mesh) const;
 
   int dimension() const;           // 2 or 3
   std::uint64_t revision() const;  // of the mesh that it is of

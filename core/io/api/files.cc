@@ -90,6 +90,7 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
   output.files.from_zero = choices.from_zero;
   output.files.neighbours = choices.neighbours;
   output.files.voronoi = choices.voronoi;
+  output.files.is_part = choices.part;
   output.files.rho = output.picture.rho = options.quality;
   output.files.min_dihedral = output.picture.min_dihedral = options.min_dihedral;
   output.picture.crop = options.box;

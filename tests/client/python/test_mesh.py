@@ -370,3 +370,41 @@ def test_a_part_follows_its_mesh(make_mesh, dimension):
     behind.update()
     assert part_content(behind) == part_content(mesh.part())
     assert "vertices" in repr(behind)
+
+
+def test_a_mesh_and_a_part_are_written(make_mesh, tmp_path):
+    """As the command writes: what it reads again is the same; the part is what the outline encloses."""
+    meshio = pytest.importorskip("meshio")
+    mesh = make_mesh()
+    mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2), 3: (0.8, 0.8), 4: (0.5, 0.3), 5: (0.7, 0.5)},
+               add_polygons={7: [1, 2, 3]}, add_segments={8: (4, 5)},
+               set_labels={7: dynmesh.Label(3, "plate"), 8: dynmesh.Label(5, "crack")})
+    part = mesh.part(names="plate")
+    mesh.write(tmp_path / "whole.node")
+    part.write(tmp_path / "part.node", from_zero=True)
+    part.write(tmp_path / "part.msh")
+    part.write(tmp_path / "part2.msh", order=2)
+    part.write(tmp_path / "part.vtu")
+    assert (tmp_path / "whole.ele").read_text().split()[0] == str(mesh.cell_count)
+    assert (tmp_path / "part.ele").read_text().split()[0] == str(len(part.cells))
+    assert "part" in (tmp_path / "part.node").read_text()
+    gmsh = meshio.read(tmp_path / "part.msh")
+    assert len(gmsh.cells_dict["triangle"]) == len(part.cells)
+    assert {"plate", "crack"} <= set(gmsh.field_data)
+    assert "triangle6" in meshio.read(tmp_path / "part2.msh").cells_dict
+    with pytest.raises(dynmesh.InvalidArgument, match="part.xyz"):
+        part.write(tmp_path / "part.xyz")
+    # For meshio, with values of the part.
+    out = part.to_meshio({"x": part.points[:, 0]}, {"cell": np.arange(len(part.cells))})
+    assert out.points.shape[1] == 2
+    assert [block.type for block in out.cells] == ["triangle", "line"]
+    assert set(out.cell_sets) == {"plate", "crack"}
+    crack = part.facets[out.cell_sets["crack"][1]]
+    np.testing.assert_allclose(np.linalg.norm(
+        part.points[crack[:, 1]] - part.points[crack[:, 0]], axis=1).sum(), np.hypot(0.2, 0.2))
+    assert set(out.cell_data["marker"][1]) == {3, 5}
+    with pytest.raises(dynmesh.InvalidArgument, match="part.vertex_slots"):
+        part.to_meshio({"x": mesh.points[:, 0]})
+    mesh.apply(add_points={50: (0.6, 0.45)})
+    with pytest.raises(dynmesh.FailedPrecondition, match="update the part first"):
+        part.write(tmp_path / "part.vtu")

@@ -331,6 +331,12 @@ TEST_P(MeshPartTest, AfterEachEditIsThatOfTheMesh) {
       most = std::max(most, content.cells.size());
     }
     ASSERT_TRUE(ContentOf(MeshPart(mesh, some)) == Expected(mesh, choices[1]));
+    for (const MeshPart& part : parts) {
+      const Mesh own = *part.ToMesh(mesh);
+      EXPECT_EQ(own.simplex_count(), part.cell_slots().size());
+      EXPECT_EQ(own.vertices.size(), part.vertex_slots().size());
+      EXPECT_EQ(own.hash, ComputeHash(own));
+    }
     EXPECT_FALSE(parts[0].changes().is_all);
   }
   EXPECT_GT(most, 20U);
@@ -349,6 +355,7 @@ TEST(MeshPart, AnUpdateThatDoesNotFollowIsRefusedAndChangesNothing) {
   ASSERT_TRUE(mesh.Apply(first).ok());
   EXPECT_EQ(part.Update(mesh, only_second).code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(part.revision(), 0U);
+  EXPECT_EQ(part.ToMesh(mesh).status().code(), absl::StatusCode::kFailedPrecondition);
   MeshPart behind = part;
   EXPECT_TRUE(part.Update(mesh, only_first).ok());
   ASSERT_TRUE(mesh.Apply(second).ok());
