@@ -11,51 +11,45 @@ import dynmesh
 
 
 class Elements:
-    """Mass and stiffness matrices of each cell, by slot; 0 for free slots.
+    """Mass and stiffness matrices of each cell of a part.
 
-    `follow` assembles those of the patch only.
+    `follow`, after each update of the part, assembles the cells that have changed only.
     """
 
-    def __init__(self, mesh: dynmesh.Mesh) -> None:
-        self._width = mesh.dimension + 1
-        self.cells = np.zeros((0, self._width), np.int32)
-        self.mass = np.zeros((0, self._width, self._width))
-        self.stiffness = np.zeros((0, self._width, self._width))
-        self._assemble(mesh, np.flatnonzero(mesh.live_cells))
+    def __init__(self, part: dynmesh.Part) -> None:
+        self._part = part
+        self._width = part.mesh.dimension + 1
+        shape = (len(part.cells), self._width, self._width)
+        self.mass, self.stiffness = np.zeros(shape), np.zeros(shape)
+        self._assemble(np.arange(len(part.cells)))
 
-    def follow(self, mesh: dynmesh.Mesh, diff: dynmesh.Diff) -> None:
-        gone = diff.patch.removed_cells
-        self.mass[gone] = self.stiffness[gone] = 0
-        self.cells[gone] = 0
-        self._assemble(mesh, diff.patch.added_cells)
+    def follow(self) -> None:
+        missing = max(0, len(self._part.cells) - len(self.mass))
+        room = np.zeros((missing, self._width, self._width))
+        self.mass = np.concatenate([self.mass, room])[:len(self._part.cells)]
+        self.stiffness = np.concatenate([self.stiffness, room])[:len(self._part.cells)]
+        self._assemble(self._part.changed_cells)
 
-    def _assemble(self, mesh: dynmesh.Mesh, slots: np.ndarray) -> None:
-        missing = mesh.cell_slots - len(self.cells)
-        if missing > 0:
-            matrices = np.zeros((missing, self._width, self._width))
-            self.cells = np.concatenate([self.cells, np.zeros((missing, self._width), np.int32)])
-            self.mass = np.concatenate([self.mass, matrices])
-            self.stiffness = np.concatenate([self.stiffness, matrices])
-        cells = mesh.cells[slots]
-        corners = mesh.points[cells]
+    def _assemble(self, numbers: np.ndarray) -> None:
+        corners = self._part.points[self._part.cells[numbers]]
         edges = corners[:, 1:] - corners[:, :1]
         measure = np.linalg.det(edges) / math.factorial(self._width - 1)
         gradients = np.linalg.inv(edges)  # columns: of the hat functions of corners 1, 2, ...
         gradients = np.concatenate([-gradients.sum(axis=2, keepdims=True), gradients], axis=2)
         shape = np.ones((self._width, self._width)) + np.eye(self._width)
-        self.cells[slots] = cells
-        self.mass[slots] = measure[:, None, None] * shape / (self._width * (self._width + 1))
-        self.stiffness[slots] = measure[:, None, None] * np.einsum("nki,nkj->nij", gradients,
-                                                                   gradients)
+        self.mass[numbers] = measure[:, None, None] * shape / (self._width * (self._width + 1))
+        self.stiffness[numbers] = measure[:, None, None] * np.einsum("nki,nkj->nij", gradients,
+                                                                     gradients)
 
-    def matrix(self, values: np.ndarray, size: int) -> csr_matrix:
-        """The sum of the cells' matrices, one row per vertex slot."""
-        rows = np.repeat(self.cells, self._width, axis=1).ravel()
-        columns = np.tile(self.cells, (1, self._width)).ravel()
+    def matrix(self, values: np.ndarray) -> csr_matrix:
+        """The sum of the cells' matrices, one row per vertex."""
+        size, cells = len(self._part.points), self._part.cells
+        rows = np.repeat(cells, self._width, axis=1).ravel()
+        columns = np.tile(cells, (1, self._width)).ravel()
         return coo_matrix((values.ravel(), (rows, columns)), shape=(size, size)).tocsr()
 
     def integral(self, u: np.ndarray) -> float:
-        return float(np.einsum("nij,nj->", self.mass, u[self.cells]))
+        return float(np.einsum("nij,nj->", self.mass, u[self._part.cells]))
 
 
 def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarray) -> np.ndarray:
@@ -70,11 +64,11 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
     return result
 
 
-def vertices_of(mesh: dynmesh.Mesh, first: int, last: int) -> np.ndarray:
-    """Mask of the vertices on segments with ids from `first` to `last`."""
-    mask = np.zeros(mesh.vertex_slots, bool)
-    owners = mesh.subsegment_owners
-    mask[mesh.subsegments[(owners >= first) & (owners <= last)]] = True
+def vertices_of(part: dynmesh.Part, first: int, last: int) -> np.ndarray:
+    """Mask of the vertices on facets of features with ids from `first` to `last`."""
+    mask = np.zeros(len(part.points), bool)
+    owners = part.facet_owners
+    mask[part.facets[(owners >= first) & (owners <= last)]] = True
     return mask
 
 

@@ -22,6 +22,7 @@ import fem
 from opened import opened
 
 CRACK = 10_000  # ids of the crack's segments follow
+PLATE = 5_000  # the plate's polygon; ids of its corners follow
 
 
 def main() -> None:
@@ -38,8 +39,10 @@ def main() -> None:
 
 def run(mesh: dynmesh.Mesh, steps: int, out: str) -> None:
     tip = np.array([0.1, 0.5])
-    mesh.apply(add_points={1: tip})
-    elements = fem.Elements(mesh)
+    corners = {PLATE + 1: (0, 0), PLATE + 2: (2, 0), PLATE + 3: (2, 1), PLATE + 4: (0, 1)}
+    mesh.apply(add_points={1: tip, **corners}, add_polygons={PLATE: corners})
+    part = mesh.part(polygons=PLATE)  # the mesh reaches far beyond the plate
+    elements = fem.Elements(part)
     temperature = np.ones(mesh.vertex_slots)
     series = dynmesh.Series(f"{out}/heat_crack.pvd")
     step_length, dt = 1.7 / steps, 0.2 / steps
@@ -50,25 +53,27 @@ def run(mesh: dynmesh.Mesh, steps: int, out: str) -> None:
         # last bit, and then the mesh differs, too.)
         direction += 0.15 * math.sin(2.5 * step)
         tip = tip + step_length * np.array([math.cos(direction), math.sin(direction)])
-        before = elements.integral(temperature)
+        before = elements.integral(temperature[part.vertex_slots])
         start = time.perf_counter()
         diff = mesh.apply(add_points={step + 1: tip}, add_segments={CRACK + step: (step, step + 1)})
         temperature = diff.transfer(temperature, bounded=True)
-        elements.follow(mesh, diff)
+        part.update(diff)
+        elements.follow()
         spent += time.perf_counter() - start
-        worst = max(worst, abs(elements.integral(temperature) - before) / before)
+        u = temperature[part.vertex_slots]
+        worst = max(worst, abs(elements.integral(u) - before) / before)
         changed.append(len(diff.patch.added_vertices) + len(diff.patch.removed_vertices))
 
-        # (M + dt K) T = M T_old, with T = 0 on the crack; free slots have T = 0, too.
-        mass = elements.matrix(elements.mass, mesh.vertex_slots)
-        stiffness = elements.matrix(elements.stiffness, mesh.vertex_slots)
-        cold = fem.vertices_of(mesh, CRACK + 1, CRACK + step) | ~mesh.live_vertices
-        temperature[cold] = 0
-        temperature = fem.solve(mass + dt * stiffness, mass @ temperature, temperature, cold)
-        series.add(step * dt, mesh, point_data={"temperature": temperature})
+        # (M + dt K) T = M T_old, with T = 0 on the crack.
+        mass, stiffness = elements.matrix(elements.mass), elements.matrix(elements.stiffness)
+        cold = fem.vertices_of(part, CRACK + 1, CRACK + step)
+        u[cold] = 0
+        u = fem.solve(mass + dt * stiffness, mass @ u, u, cold)
+        temperature[part.vertex_slots] = u
+        series.add(step * dt, part, point_data={"temperature": u})
 
-    live = temperature[mesh.live_vertices]
-    print(f"{mesh.vertex_count} vertices, {steps} steps of the crack: "
+    live = temperature[part.vertex_slots]
+    print(f"{len(part.points)} vertices, {steps} steps of the crack: "
           f"{np.mean(changed):.0f} vertices changed a step, {1e3 * spent / steps:.2f} ms "
           "a step for edit, transfer and assembly")
     print(f"heat kept by every edit to {worst:.1e} of it; temperatures {live.min():.3f} to "

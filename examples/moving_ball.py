@@ -22,7 +22,10 @@ import fem
 
 # An octahedron with corners 1 to 6 and faces 11 to 18.
 CORNERS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+BALL = 11
 FACES = [(1, 3, 5), (3, 2, 5), (2, 4, 5), (4, 1, 5), (3, 1, 6), (2, 3, 6), (4, 2, 6), (1, 4, 6)]
+
+ROOM = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
 
 
 def main() -> None:
@@ -37,38 +40,44 @@ def main() -> None:
         return {i + 1: middle + 0.15 * corner for i, corner in enumerate(CORNERS)}
 
     mesh = dynmesh.open([[0, 0, 0], [1, 1, 1]])
-    mesh.apply(add_points=corners(0), add_polygons={11 + i: face for i, face in enumerate(FACES)},
+    mesh.apply(add_points=corners(0), add_polygons={BALL + i: face for i, face in enumerate(FACES)},
                add_sizes={20: dict(low=(0.05, 0.25, 0.25), high=(0.95, 0.75, 0.75),
                                    target=arguments.edge)})
-    ball = int(np.unique(mesh.regions[mesh.regions > 0])[0])
-    elements = fem.Elements(mesh)
+    # The room around it: corners 31 to 38, faces 41 to 46.
+    mesh.apply(add_points={31 + i: (i & 1, i >> 1 & 1, i >> 2) for i in range(8)},
+               add_polygons={41 + i: [31 + c for c in face] for i, face in enumerate(ROOM)})
+    part = mesh.part()  # the mesh reaches far beyond the room
+    ball = mesh.part(polygons=BALL)
+    elements = fem.Elements(part)
     u = np.zeros(mesh.vertex_slots)
     age = np.zeros(mesh.cell_slots)  # of each cell's content: how long it has been in the box
     series = dynmesh.Series(f"{arguments.out}/moving_ball.pvd")
     dt, worst, spent = 0.02, 0.0, 0.0
 
     for step in range(1, arguments.steps + 1):
-        before = elements.integral(u)
+        before = elements.integral(u[part.vertex_slots])
         start = time.perf_counter()
         diff = mesh.apply(move_points=corners(step))
         u = diff.transfer(u)
         age = diff.transfer(age, kind="P0", bounded=True)
-        elements.follow(mesh, diff)
+        part.update(diff)
+        ball.update(diff)
+        elements.follow()
         spent += time.perf_counter() - start
-        worst = max(worst, abs(elements.integral(u) - before) / max(before, 1e-3))
+        held = u[part.vertex_slots]
+        worst = max(worst, abs(elements.integral(held) - before) / max(before, 1e-3))
 
-        mass = elements.matrix(elements.mass, mesh.vertex_slots)
-        stiffness = elements.matrix(elements.stiffness, mesh.vertex_slots)
-        fixed = ~mesh.live_vertices
-        u[fixed] = 0
-        inside = np.unique(mesh.cells[mesh.regions == ball])
-        fixed[inside], u[inside] = True, 1
-        u = fem.solve(mass + 0.1 * dt * stiffness, mass @ u, u, fixed)
+        mass, stiffness = elements.matrix(elements.mass), elements.matrix(elements.stiffness)
+        fixed = np.zeros(len(held), bool)
+        inside = part.vertex_numbers[ball.vertex_slots]
+        fixed[inside], held[inside] = True, 1
+        held = fem.solve(mass + 0.1 * dt * stiffness, mass @ held, held, fixed)
+        u[part.vertex_slots] = held
         age += dt
-        series.add(step * dt, mesh, point_data={"u": u}, cell_data={"age": age})
+        series.add(step * dt, part, point_data={"u": held}, cell_data={"age": age[part.cell_slots]})
 
-    live_age = age[mesh.live_cells]
-    print(f"{mesh.vertex_count} vertices, {mesh.cell_count} tetrahedra, "
+    live_age = age[part.cell_slots]
+    print(f"{len(part.points)} vertices, {len(part.cells)} tetrahedra, "
           f"{1e3 * spent / arguments.steps:.1f} ms a step for edit, transfer and assembly; mass kept "
           f"by every edit to {worst:.1e}; series in {series.path}")
     assert worst < 1e-12, "an edit lost mass"

@@ -35,8 +35,10 @@ def main() -> None:
         return {1: dict(at=place(step), radius=0.08, target=arguments.edge / 6)}
 
     mesh = dynmesh.open([[0, 0], [1, 1]], max_edge=arguments.edge)
-    mesh.apply(add_sizes=size(0))
-    elements = fem.Elements(mesh)
+    corners = {11: (0, 0), 12: (1, 0), 13: (1, 1), 14: (0, 1)}
+    mesh.apply(add_points=corners, add_polygons={10: corners}, add_sizes=size(0))
+    part = mesh.part(polygons=10)  # the mesh reaches far beyond it
+    elements = fem.Elements(part)
     mesh.fields.add("temperature", np.zeros(mesh.vertex_slots))
     series = dynmesh.Series(f"{arguments.out}/moving_source.pvd")
     dt, brought, spent, counts = 1.0 / arguments.steps, 0.0, 0.0, []
@@ -44,23 +46,22 @@ def main() -> None:
     for step in range(1, arguments.steps + 1):
         start = time.perf_counter()
         diff = mesh.apply(set_sizes=size(step))  # carries the field, too
-        elements.follow(mesh, diff)
+        part.update(diff)
+        elements.follow()
         spent += time.perf_counter() - start
-        counts.append(mesh.vertex_count)
+        counts.append(len(part.points))
 
-        mass = elements.matrix(elements.mass, mesh.vertex_slots)
-        stiffness = elements.matrix(elements.stiffness, mesh.vertex_slots)
-        distance2 = ((mesh.points - place(step)) ** 2).sum(axis=1)
-        source = np.where(mesh.live_vertices, np.exp(-distance2 / 0.02**2), 0)
-        heating = dt * (mass @ source)
+        mass, stiffness = elements.matrix(elements.mass), elements.matrix(elements.stiffness)
+        distance2 = ((part.points - place(step)) ** 2).sum(axis=1)
+        heating = dt * (mass @ np.exp(-distance2 / 0.02**2))
         brought += heating.sum()
-        u = mesh.fields["temperature"]
-        free_slots = ~mesh.live_vertices
-        u[free_slots] = 0
-        u[:] = fem.solve(mass + 0.02 * dt * stiffness, mass @ u + heating, u, free_slots)
-        series.add(step * dt, mesh, point_data={"temperature": u})
+        u = mesh.fields["temperature"][part.vertex_slots]
+        free = np.zeros(len(u), bool)
+        u = fem.solve(mass + 0.02 * dt * stiffness, mass @ u + heating, u, free)
+        mesh.fields["temperature"][part.vertex_slots] = u
+        series.add(step * dt, part, point_data={"temperature": u})
 
-    held = elements.integral(mesh.fields["temperature"])
+    held = elements.integral(mesh.fields["temperature"][part.vertex_slots])
     print(f"{min(counts)} to {max(counts)} vertices, {1e3 * spent / arguments.steps:.2f} ms a step "
           f"for edit, transfer and assembly; heat {held:.9g} of {brought:.9g} brought; series in "
           f"{series.path}")

@@ -20,7 +20,7 @@ import numpy as np
 import dynmesh
 import fem
 
-CORNERS, HOLE = 24, 100
+CORNERS, HOLE, PLATE = 24, 100, 200
 HEAT = np.array([0.68, 0.62])  # where the plate is heated most
 
 
@@ -30,9 +30,11 @@ class Plate:
     def __init__(self, edge: float) -> None:
         self.mesh = dynmesh.open([[0, 0], [1, 1]], max_edge=edge)
         self.middle = np.array([0.3, 0.35])
-        self.mesh.apply(add_points=self._corners(self.middle),
-                        add_polygons={HOLE: range(1, CORNERS + 1)})
-        self.elements = fem.Elements(self.mesh)
+        outline = {PLATE + 1: (0, 0), PLATE + 2: (1, 0), PLATE + 3: (1, 1), PLATE + 4: (0, 1)}
+        self.mesh.apply(add_points={**self._corners(self.middle), **outline},
+                        add_polygons={HOLE: range(1, CORNERS + 1), PLATE: outline})
+        self.part = self.mesh.part(polygons=PLATE, without=HOLE)
+        self.elements = fem.Elements(self.part)
         self.temperature = np.zeros(self.mesh.vertex_slots)
 
     @staticmethod
@@ -44,23 +46,22 @@ class Plate:
     def move(self, middle: np.ndarray) -> None:
         diff = self.mesh.apply(move_points=self._corners(middle))
         self.temperature = diff.transfer(self.temperature)  # the solver's first guess
-        self.elements.follow(self.mesh, diff)
+        self.part.update(diff)
+        self.elements.follow()
         self.middle = middle
 
     def mean(self) -> float:
         """Solves, and returns the mean temperature of the plate."""
-        mesh, size = self.mesh, self.mesh.vertex_slots
-        mass = self.elements.matrix(self.elements.mass, size)
-        stiffness = self.elements.matrix(self.elements.stiffness, size)
-        fixed = ~mesh.live_vertices
-        fixed[np.unique(mesh.cells[mesh.regions == HOLE])] = True
-        self.temperature[fixed] = 0
-        distance2 = ((mesh.points - HEAT) ** 2).sum(axis=1)
-        heating = np.where(mesh.live_vertices, np.exp(-distance2 / 0.15**2), 0)
-        self.temperature = fem.solve(stiffness, mass @ heating, self.temperature, fixed)
-        box = ((mesh.points >= 0) & (mesh.points <= 1)).all(axis=1) & mesh.live_vertices
-        weights = mass @ box.astype(float)
-        return float(weights @ self.temperature / weights.sum())
+        part, elements = self.part, self.elements
+        mass, stiffness = elements.matrix(elements.mass), elements.matrix(elements.stiffness)
+        fixed = fem.vertices_of(part, HOLE, HOLE)
+        u = self.temperature[part.vertex_slots]
+        u[fixed] = 0
+        distance2 = ((part.points - HEAT) ** 2).sum(axis=1)
+        u = fem.solve(stiffness, mass @ np.exp(-distance2 / 0.15**2), u, fixed)
+        self.temperature[part.vertex_slots] = u
+        weights = mass.sum(axis=0)
+        return float(np.asarray(weights @ u).item() / weights.sum())
 
 
 def main() -> None:
@@ -75,7 +76,8 @@ def main() -> None:
     means = [plate.mean()]
     step = 0.1
     for iteration in range(arguments.steps):
-        series.add(iteration, plate.mesh, point_data={"temperature": plate.temperature})
+        temperature = plate.temperature[plate.part.vertex_slots]
+        series.add(iteration, plate.part, point_data={"temperature": temperature})
         middle, here, gradient = plate.middle, plate.mesh.hash, np.zeros(2)
         for axis in range(2):
             little = 0.01 * np.eye(2)[axis]
@@ -95,7 +97,7 @@ def main() -> None:
             plate.move(middle)
             break
 
-    print(f"{plate.mesh.vertex_count} vertices; mean temperature {means[0]:.5f} to {means[-1]:.5f} "
+    print(f"{len(plate.part.points)} vertices; mean temperature {means[0]:.5f} to {means[-1]:.5f} "
           f"in {len(means) - 1} steps and {plate.mesh.revision} edits; hole at "
           f"({plate.middle[0]:.3f}, {plate.middle[1]:.3f}); series in {series.path}")
     assert all(b < a for a, b in zip(means, means[1:])), "a step made it hotter"

@@ -152,6 +152,19 @@ class Part:
         return self._part.cells
 
     @property
+    def changed_vertices(self) -> Array:
+        """Numbers of the vertices whose rows the last update has written: all if it was made anew."""
+        return self._changed(0, len(self.vertex_slots))
+
+    @property
+    def changed_cells(self) -> Array:
+        """Numbers of the cells whose rows the last update has written: all if it was made anew.
+
+        That much of a matrix has to be assembled again.
+        """
+        return self._changed(1, len(self.cell_slots))
+
+    @property
     def facets(self) -> Array:
         """Numbers of the corners of each facet: (facets, dimension), int32.
 
@@ -212,6 +225,13 @@ class Part:
     def cell_numbers(self) -> Array:
         """By cell slot of the mesh, the number in the part: int32, -1 where it is not in it."""
         return self._part.cell_numbers
+
+    def _changed(self, which: int, count: int) -> Array:
+        rows = self._part.changes[which]
+        if rows is None:
+            return np.arange(count, dtype=np.int32)
+        rows = np.unique(rows)
+        return rows[rows < count]
 
     def _by_owner(self, of: Any, dtype: Any) -> Array:
         owners, which = np.unique(self.facet_owners, return_inverse=True)

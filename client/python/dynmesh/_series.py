@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Optional, Union
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
 from dynmesh._types import Array
 
 if TYPE_CHECKING:
     from dynmesh._mesh import Mesh
+    from dynmesh._part import Part
 
 
 class Series:
@@ -21,14 +24,17 @@ class Series:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._steps: list[tuple[float, str]] = []
 
-    def add(self, time: float, mesh: Mesh, point_data: Optional[Mapping[str, Array]] = None,
+    def add(self, time: float, mesh: Union[Mesh, Part], point_data: Optional[Mapping[str, Array]] = None,
             cell_data: Optional[Mapping[str, Array]] = None) -> None:
-        """Writes `mesh` at `time`, and updates the list.
+        """Writes `mesh`, or a part of one, at `time`, and updates the list.
 
-        `point_data` and `cell_data` are as in `Mesh.to_meshio`.
+        `point_data` and `cell_data` are as in `Mesh.to_meshio` or `Part.to_meshio`.
         """
         name = f"{self.path.stem}_{len(self._steps):05d}.vtu"
-        mesh.to_meshio(point_data, cell_data).write(str(self.path.parent / name), binary=True)
+        out = mesh.to_meshio(point_data, cell_data)
+        out.points = np.pad(out.points, ((0, 0), (0, 3 - out.points.shape[1])))
+        out.cell_sets = {}  # which the format has not
+        out.write(str(self.path.parent / name), binary=True)
         self._steps.append((time, name))
         lines = [f"    <DataSet timestep={quoteattr(repr(float(t)))} file={quoteattr(file)}/>"
                  for t, file in self._steps]

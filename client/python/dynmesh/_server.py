@@ -60,6 +60,9 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
 def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
     """A mesh in this process, without a server.
 
+    **The mesh reaches far beyond the box**, about six times as far, in 3D eight times, so that nothing
+    but the features shapes it. `Mesh.part` is what polygons enclose.
+
     Args:
         box: the box of the features: two corners ((x, y), (x, y)), in 3D with z, the second above
             the first in each axis. Default: from 0 to 1.

@@ -54,6 +54,11 @@ class SharedPart {
     return part_.revision();
   }
 
+  MeshPart::Changes changes() {
+    const PatientLock lock(mutex_);
+    return part_.changes();
+  }
+
   HeldColumn<double> points() { return Take(points_, part_.points(), Width(0), vertex_log_); }
   HeldColumn<Slot> vertex_slots() {
     return Take(vertex_slots_, part_.vertex_slots(), 1, vertex_log_);
@@ -153,6 +158,13 @@ void BindPart(py::module_& module) {
           },
           py::arg("mesh"), py::arg("options"), py::arg("path"), py::arg("choices"))
       .def_property_readonly("revision", &SharedPart::revision)
+      .def_property_readonly("changes",
+                             [](SharedPart& part) {
+                               MeshPart::Changes changes = part.changes();
+                               if (changes.is_all) return py::make_tuple(py::none(), py::none());
+                               return py::make_tuple(Take(std::move(changes.vertices)),
+                                                     Take(std::move(changes.cells)));
+                             })
       .def_property_readonly("points", Column(&SharedPart::points, 0))
       .def_property_readonly("cells", Column(&SharedPart::cells, 1))
       .def_property_readonly("facets", Column(&SharedPart::facets, 0))
