@@ -93,6 +93,10 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
                          "; 2: with a node in the middle of each edge (default: 1)"))
       ->type_name("1|2")
       ->check(CLI::Range(1, 2));
+  command
+      .add_option("--msh-version", flags.msh_version,
+                  "Version of a .msh: 4.1, or 2.2 for programs that read no other (default: 4.1)")
+      ->type_name("4.1|2.2");
   command.add_flag("--zero-based", flags.from_zero,
                    "In .node and the files beside it, number from 0");
   command.add_flag("--neighbours,--neighbors", flags.neighbours,
@@ -142,6 +146,7 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
     if (!has_elements) continue;
     if (auto status = io::CheckOrder(flags.order, "--order", path); !status.ok()) return status;
   }
+  if (auto s = io::MshVersionOf(flags.msh_version, "--msh-version"); !s.ok()) return s.status();
   return PictureOptions(flags, MeshOptions(), false).status();
 }
 
@@ -212,6 +217,9 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   if (!picture.ok()) return picture.status();
   output.picture = *picture;
   if (!highlight.empty()) output.picture.highlight = io::FindSimplices(*output.shown, highlight);
+  const auto msh_version = io::MshVersionOf(flags.msh_version, "--msh-version");
+  if (!msh_version.ok()) return msh_version.status();
+  output.msh_version = *msh_version;
   output.files.from_zero = flags.from_zero;
   output.files.neighbours = flags.neighbours;
   output.files.voronoi = flags.voronoi;

@@ -24,11 +24,13 @@ struct OutputFlags {
   bool legend = false;
   double width = 1000;
   int order = 1;  // of elements
+  double msh_version = 4.1;
   bool from_zero = false, neighbours = false, voronoi = false;
   bool same_name = false;  // files may have the base name of the input
 };
 
-// -o, --order, --zero-based, --neighbours, --voronoi and --same-name for meshes, and --fill --crop
+// -o, --order, --msh-version, --zero-based, --neighbours, --voronoi and --same-name for meshes, and
+// --fill --crop
 // --cut --clip --legend --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 

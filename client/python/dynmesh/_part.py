@@ -83,11 +83,11 @@ class Part:
                             "the next edit is applied, or without a diff")
         self._part.update(self.mesh._replica, diff._parts)
 
-    def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, from_zero: bool = False,
-              neighbours: bool = False, voronoi: bool = False) -> None:
+    def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, msh_version: float = 4.1,
+              from_zero: bool = False, neighbours: bool = False, voronoi: bool = False) -> None:
         """Writes the part to a file, as the command does: a mesh of its own. O(mesh).
 
-        Formats: .msh (Gmsh 4.1), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
+        Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
         .face beside it), .svg (a picture); of a quadtree .csv, .vtu and .svg. Markers of features
         are those of edges and faces, names are groups. Either the files are complete, or the former
         ones stay. Raises `InvalidArgument` for another extension, `Unavailable` if a file cannot be
@@ -96,12 +96,13 @@ class Part:
         Args:
             path: the file; its extension says which format it has.
             order: of the elements: 1, or 2 with a node in the middle of each edge.
+            msh_version: of a .msh: 4.1, or 2.2 for programs that read no other.
             from_zero: a .node and the files beside it are numbered from 0, not 1.
             neighbours: with a .node, the neighbours of cells as .neigh.
             voronoi: with a .node, the Voronoi diagram.
         """
         self._part.write(self.mesh._replica, self.mesh._options, os.fspath(path), dict(
-            order=order, from_zero=from_zero, neighbours=neighbours, voronoi=voronoi))
+            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours, voronoi=voronoi))
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:

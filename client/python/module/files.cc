@@ -86,6 +86,7 @@ void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
   OutputChoices output;
   output.part = is_part;
   output.order = choices["order"].cast<int>();
+  output.msh_version = choices["msh_version"].cast<double>();
   output.from_zero = choices["from_zero"].cast<bool>();
   output.neighbours = choices["neighbours"].cast<bool>();
   output.voronoi = choices["voronoi"].cast<bool>();

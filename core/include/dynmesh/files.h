@@ -75,15 +75,16 @@ absl::StatusOr<Mesh> KeepInside(const Mesh& mesh,
 
 // How a mesh is written.
 struct OutputChoices {
-  int order = 1;            // of elements; 2: with a node in the middle of each edge
-  bool from_zero = false;   // a .node and the files beside it are numbered from 0, not 1
-  bool neighbours = false;  // with a .node, the neighbours of simplices as .neigh
-  bool voronoi = false;     // with a .node, the Voronoi diagram as .v.node and .v.edge
-  bool part = false;        // the mesh is a part of a mesh (KeepInside, MeshPart): a .node says so
+  int order = 1;             // of elements; 2: with a node in the middle of each edge
+  bool from_zero = false;    // a .node and the files beside it are numbered from 0, not 1
+  bool neighbours = false;   // with a .node, the neighbours of simplices as .neigh
+  bool voronoi = false;      // with a .node, the Voronoi diagram as .v.node and .v.edge
+  double msh_version = 4.1;  // of a .msh: 4.1 or 2.2
+  bool part = false;         // the mesh is a part of a mesh (KeepInside, MeshPart): a .node says so
 };
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in
-// 3D, .face beside it; .poly, .smesh or .neigh with that file, too), .vtu, .msh (Gmsh 4.1), .mesh
+// 3D, .face beside it; .poly, .smesh or .neigh with that file, too), .vtu, .msh (Gmsh), .mesh
 // (Medit) or .svg (a picture: angles of triangles, of a 3D mesh those in a cut); a quadtree to
 // .csv, .vtu or .svg. `choices` are as above. Names of labels become groups. Either the files are
 // complete, or the former ones stay. INVALID_ARGUMENT for another extension, a mesh with unknown

@@ -86,7 +86,10 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
                        const OutputChoices& choices) {
   if (auto s = io::CheckMeshOutputOf(options, path); !s.ok()) return s;
   if (auto s = io::CheckOrder(choices.order, "order", path); !s.ok()) return s;
+  const auto msh_version = io::MshVersionOf(choices.msh_version, "msh_version");
+  if (!msh_version.ok()) return msh_version.status();
   io::MeshOutput output;
+  output.msh_version = *msh_version;
   output.files.from_zero = choices.from_zero;
   output.files.neighbours = choices.neighbours;
   output.files.voronoi = choices.voronoi;

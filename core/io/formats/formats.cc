@@ -102,6 +102,11 @@ absl::Status WriteAlone(const LeafList& list, const MeshOutput&, const std::stri
   return kWrite(list, path);
 }
 
+absl::Status WriteMshMesh(const IndexedMesh& mesh, const MeshOutput& output,
+                          const std::string& path) {
+  return WriteMsh(mesh, path, output.msh_version);
+}
+
 absl::Status WriteVtuMesh(const IndexedMesh& mesh, const MeshOutput& output,
                           const std::string& path) {
   return WriteVtu(mesh, output.files.rho, path, output.files.min_dihedral);
@@ -263,7 +268,7 @@ constexpr Format kFormats[] = {
      .write_mesh = WriteVtuMesh,
      .write_leaves = WriteAlone<WriteLeafVtu>},
     {.extension = ".msh",
-     .what = "Gmsh 4.1; 2.2 is read, too",
+     .what = "Gmsh 4.1 and 2.2",
      .in_2d = true,
      .in_3d = true,
      .flags = kSecondOrder | kChosenMarkers,
@@ -271,7 +276,7 @@ constexpr Format kFormats[] = {
      .read_geometry = ReadBorders<ReadMshFile>,
      .read_elements = ReadMshFile,
      .read_mesh = ReadForeign<ReadMshFile>,
-     .write_mesh = WriteAlone<WriteMsh>},
+     .write_mesh = WriteMshMesh},
     {.extension = ".mesh",
      .what = "Medit",
      .in_2d = true,

@@ -13,6 +13,7 @@
 #include "core/io/common/triangle_sections.h"
 #include "core/io/meshes/indexed_mesh.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/msh_writer.h"
 #include "core/io/pictures/svg_writer.h"
 #include "core/io/quadtrees/leaf_list.h"
 #include "dynmesh/feature.h"
@@ -22,6 +23,7 @@ namespace dynmesh::io {
 
 struct MeshOutput {
   MeshFileOptions files;  // of a .node and the files beside it; the bounds, of all formats
+  MshVersion msh_version = MshVersion::k41;
   SvgOptions picture;
   const IndexedMesh* shown = nullptr;  // in a picture, if not the mesh: it is of order 1
 };

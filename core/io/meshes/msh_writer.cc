@@ -100,9 +100,15 @@ class MshFile {
     Classify();
   }
 
-  void Write() {
-    out_ << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+  void Write(MshVersion version) {
+    const bool is_old = version == MshVersion::k22;
+    out_ << "$MeshFormat\n" << (is_old ? "2.2" : "4.1") << " 0 8\n$EndMeshFormat\n";
     WritePhysicalNames();
+    if (is_old) {
+      WriteOldNodes();
+      WriteOldElements();
+      return;
+    }
     WriteEntities();
     WriteNodes();
     WriteElements();
@@ -262,8 +268,7 @@ class MshFile {
     if (dimension != 1) add_inner();
     out_ << tag << ' ';
     range.Write(out_);
-    WriteGroup(dimension == top_ ? groups_.OfRegion(static_cast<std::uint32_t>(tag - 1))
-                                 : groups_.Of(tag));
+    WriteGroup(GroupOf(dimension, tag));
     out_ << ' ';
     if (dimension == 1) {
       WriteEnds(entity);
@@ -321,10 +326,16 @@ class MshFile {
     return dimension == top_ || groups_.Of(reference) != 0;
   }
 
-  void WriteElements() {
-    const auto is_saved = [this](const PointEntity& p) { return IsSaved(0, p.physical); };
-    std::size_t blocks =
-        static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), is_saved));
+  int GroupOf(int dimension, int tag) const {
+    return dimension == top_ ? groups_.OfRegion(static_cast<std::uint32_t>(tag - 1))
+                             : groups_.Of(tag);
+  }
+
+  // Those that are saved: blocks of one entity, and elements.
+  std::pair<std::size_t, std::size_t> CountElements() const {
+    std::size_t blocks = static_cast<std::size_t>(
+        std::count_if(points_.begin(), points_.end(),
+                      [this](const PointEntity& p) { return IsSaved(0, p.physical); }));
     std::size_t count = blocks;
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
@@ -333,10 +344,15 @@ class MshFile {
         count += entity.elements.size();
       }
     }
+    return {blocks, count};
+  }
+
+  void WriteElements() {
+    const auto [blocks, count] = CountElements();
     out_ << "$Elements\n"
          << blocks << ' ' << count << ' ' << (count == 0 ? 0 : 1) << ' ' << count << '\n';
     for (const PointEntity& p : points_) {
-      if (!is_saved(p)) continue;
+      if (!IsSaved(0, p.physical)) continue;
       out_ << "0 " << p.tag << ' ' << kPointElement << " 1\n";
       WriteElement(Corners(std::array{p.vertex}));
     }
@@ -351,8 +367,49 @@ class MshFile {
     out_ << "$EndElements\n";
   }
 
+  // ---- version 2.2
+
+  void WriteOldNodes() {
+    out_ << "$Nodes\n" << mesh_.vertices.size() << '\n';
+    for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+      const IndexedMesh::Vertex& v = mesh_.vertices[i];
+      out_ << std::uint64_t{i} + 1 << ' ' << v.x << ' ' << v.y << ' ' << v.z << '\n';
+    }
+    out_ << "$EndNodes\n";
+  }
+
+  void WriteOldElements() {
+    const auto [blocks, count] = CountElements();
+    out_ << "$Elements\n" << count << '\n';
+    const auto write = [&](int type, int group, int entity, const Corners& corners) {
+      out_ << ++element_ << ' ' << type << " 2 " << group << ' ' << entity;
+      WriteCorners(corners);
+    };
+    for (const PointEntity& p : points_) {
+      if (!IsSaved(0, p.physical)) continue;
+      write(kPointElement, groups_.Of(p.physical), p.tag, Corners(std::array{p.vertex}));
+    }
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        if (!IsSaved(dimension, tag)) continue;
+        for (const std::uint32_t i : entity.elements) {
+          write(kElementOf[mesh_.order() - 1][dimension], GroupOf(dimension, tag), tag,
+                CornersOf(dimension, i));
+        }
+      }
+    }
+    out_ << "$EndElements\n";
+  }
+
+  // ----
+
   void WriteElement(const Corners& corners) {
     out_ << ++element_;
+    WriteCorners(corners);
+  }
+
+  // And the nodes in the middles.
+  void WriteCorners(const Corners& corners) {
     for (const std::uint32_t corner : corners) out_ << ' ' << std::uint64_t{corner} + 1;
     if (mesh_.order() == 2) {
       for (const auto& [j, k] : kMidpointsOf[corners.size()]) {
@@ -378,12 +435,18 @@ class MshFile {
 
 }  // namespace
 
-absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path) {
+absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path, MshVersion version) {
   const absl::StatusOr<References> references = References::Of(mesh);
   if (!references.ok()) return references.status();
   FileWriter out(path);
-  MshFile(mesh, *references, out).Write();
+  MshFile(mesh, *references, out).Write(version);
   return out.Close();
+}
+
+absl::StatusOr<MshVersion> MshVersionOf(double version, std::string_view name) {
+  if (version == 4.1) return MshVersion::k41;
+  if (version == 2.2) return MshVersion::k22;
+  return absl::InvalidArgumentError(Concat(name, " is 4.1 or 2.2, found ", version));
 }
 
 }  // namespace dynmesh::io

@@ -1,10 +1,13 @@
-// Meshes as Gmsh's `.msh` 4.1 (ASCII), for Gmsh, DOLFINx, deal.II, Elmer and meshio.
+// Meshes as Gmsh's `.msh` (ASCII): 4.1, for Gmsh, DOLFINx, deal.II, Elmer and meshio, and 2.2, for
+// programs that read no other.
 #ifndef DYNMESH_CORE_IO_MESHES_MSH_WRITER_H_
 #define DYNMESH_CORE_IO_MESHES_MSH_WRITER_H_
 
 #include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/io/meshes/indexed_mesh.h"
 
 namespace dynmesh::io {
@@ -29,7 +32,14 @@ namespace dynmesh::io {
 // INVALID_ARGUMENT if there are too many rows; UNAVAILABLE, naming the path, if it cannot be
 // written.
 // A mesh with midpoints (order 2) has elements of order 2.
-absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
+//
+// In version 2.2 nodes are in the order of rows, and entities are but numbers: each element has its
+// group and its entity.
+enum class MshVersion { k41, k22 };
+absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path,
+                      MshVersion version = MshVersion::k41);
+// 4.1 or 2.2. INVALID_ARGUMENT for another; `name` is what the caller calls it.
+absl::StatusOr<MshVersion> MshVersionOf(double version, std::string_view name);
 
 }  // namespace dynmesh::io
 

@@ -391,6 +391,13 @@ def test_a_mesh_and_a_part_are_written(make_mesh, tmp_path):
     gmsh = meshio.read(tmp_path / "part.msh")
     assert len(gmsh.cells_dict["triangle"]) == len(part.cells)
     assert {"plate", "crack"} <= set(gmsh.field_data)
+    part.write(tmp_path / "old.msh", msh_version=2.2)
+    assert (tmp_path / "old.msh").read_text().startswith("$MeshFormat\n2.2 0 8\n")
+    old = meshio.read(tmp_path / "old.msh")
+    assert set(old.field_data) == set(gmsh.field_data)
+    assert len(old.cells_dict["line"]) == len(gmsh.cells_dict["line"])
+    with pytest.raises(dynmesh.InvalidArgument, match="msh_version is 4.1 or 2.2, found 3"):
+        part.write(tmp_path / "old.msh", msh_version=3)
     assert "triangle6" in meshio.read(tmp_path / "part2.msh").cells_dict
     with pytest.raises(dynmesh.InvalidArgument, match="part.xyz"):
         part.write(tmp_path / "part.xyz")

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/io/common/text_reader.h"
+#include "core/io/elements/element_mesh.h"
 #include "gtest/gtest.h"
 #include "tests/core/io/meshes/any_mesh.h"
 #include "tests/core/io/meshes/good_space_mesh.h"
@@ -419,6 +420,40 @@ TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
     for (const int curve : below) curves.insert(NameOf(content, {1, curve}));
   }
   EXPECT_EQ(curves, (std::set{name_of(testing::kPlate, 1), NameOf(testing::kRim)}));
+}
+
+// Read again, both versions have the same elements, groups and names.
+TEST(Msh, Version22HoldsWhat41Does) {
+  const TempFolder folder;
+  for (const Mesh& sample : {SampleMesh(), SampleMeshWithRegions()}) {
+    for (const bool is_quadratic : {false, true}) {
+      IndexedMesh mesh = IndexMesh(sample).value();
+      if (is_quadratic) AddMidpoints(mesh);
+      ASSERT_TRUE(WriteMsh(mesh, folder.Path("new.msh")).ok());
+      ASSERT_TRUE(WriteMsh(mesh, folder.Path("old.msh"), MshVersion::k22).ok());
+      EXPECT_EQ(folder.Read("old.msh").substr(0, 24), "$MeshFormat\n2.2 0 8\n$End");
+      const auto is = ReadMshFile(folder.Path("new.msh")),
+                 was = ReadMshFile(folder.Path("old.msh"));
+      ASSERT_TRUE(is.ok() && was.ok()) << is.status() << was.status();
+      EXPECT_EQ(is->names, was->names);
+      EXPECT_FALSE(was->names.empty());
+      // Nodes are in another order: elements by the places of their corners.
+      const auto content = [](const ElementMesh& read) {
+        std::multiset<std::pair<std::vector<std::array<double, 3>>, std::int64_t>> all;
+        const auto add = [&](const auto& elements) {
+          for (const auto& element : elements) {
+            std::vector<std::array<double, 3>> corners;
+            for (const auto v : element.corners) corners.push_back(read.positions[v]);
+            all.emplace(corners, element.marker);
+          }
+        };
+        add(read.points), add(read.segments), add(read.triangles), add(read.tetrahedra);
+        return all;
+      };
+      EXPECT_EQ(content(*is), content(*was));
+      EXPECT_GT(content(*was).size(), 5U);
+    }
+  }
 }
 
 TEST(Msh, OfNothingIsStillAFile) {
