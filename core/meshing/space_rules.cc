@@ -67,8 +67,11 @@ class SpaceRules::Face {
     const SideList sides = Sides();
     std::optional<Point3> best;
     double best_clearance = 0;
-    for (int step = kDirections / 8; step > 0; step /= 2) {
-      for (int k = 0; k < kDirections; k += step) {
+    constexpr int kFirstStep = kDirections / 8;
+    for (int step = kFirstStep; step > 0; step /= 2) {
+      // Those of the step before had no clearance.
+      const bool is_first = step == kFirstStep;
+      for (int k = is_first ? 0 : step; k < kDirections; k += is_first ? step : 2 * step) {
         Vector3 c;
         for (int a = 0; a < 3; ++a) {
           c[a] = 0.5 * u_.d[a] + height * (CosineOf(k) * f[a] + SineOf(k) * g[a]);
