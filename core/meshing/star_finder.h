@@ -112,13 +112,16 @@ double StarFinder<D, E>::MostJudged() const {
     const auto& n = star_.corner(i);
     const double margin = MarginOf<D>(complex_.rules, star_.reach(), n.error);
     const bool is_known = margin < star_.reach() && n.r2 < 1e6 * star_.LeastDistance2(i);
-    const double radius = is_known ? std::sqrt(n.r2) * kWider + margin : INFINITY;
-    if (radius <= most) continue;
+    const double room = most - margin;
+    if (is_known && room > 0 && n.r2 * kWider * kWider <= room * room) continue;
     const auto ids = star_.IdsOf(i);
     const bool is_judged = std::ranges::all_of(ids, [&](std::uint32_t id) {
       return !Star::IsGhost(id) && complex_.IsOlder(id, star_.vertex());
     });
-    if (is_judged) most = radius;
+    if (!is_judged) continue;
+    if (!is_known) return INFINITY;
+    // In a lattice most balls are as large, but for the last digits.
+    most = (std::sqrt(n.r2) * kWider + margin) * kWider;
   }
   return most;
 }
