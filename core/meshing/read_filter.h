@@ -29,7 +29,7 @@ namespace dynmesh::meshing {
 
 // "May this change affect what that operation read?" Pure: functions of the complex and of the
 // operation's record. Conservative: may return true needlessly, never false wrongly.
-// Thread-compatible.
+// Thread-compatible; a call uses scratch.
 template <int D, template <class> class E>
 class ReadFilter {
  public:

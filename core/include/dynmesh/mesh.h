@@ -166,10 +166,8 @@ struct WorkCounters {
   double validate_microseconds = 0;  // the validation's part of it
   double diff_microseconds = 0;      // the diff's part; the rest is the propagation
   std::uint64_t notified = 0;        // operations asked whether a change matters to them
-  // Looked at because of sizes that came or went: cells of the vertex tree, and points of lattices
-  // or groups of them.
-  std::uint64_t visited_cells = 0;
-  std::uint64_t visited_nodes = 0;
+  std::uint64_t visited_cells = 0;   // of the vertex tree, because of sizes that came or went
+  std::uint64_t visited_nodes = 0;   // of lattices, one by one or in groups, because of those
 };
 
 // A whole mesh at one revision. Rows are in no particular order unless Canonicalize was called.
