@@ -225,6 +225,9 @@ class Replay {
           .Add("operations", diff.work.executed)
           .Add("created", diff.work.created)
           .Add("dropped", diff.work.dropped)
+          .Add("notified", diff.work.notified)
+          .Add("visited_cells", diff.work.visited_cells)
+          .Add("visited_nodes", diff.work.visited_nodes)
           .Add("microseconds", microseconds)
           .AddText("hash", diff.hash.ToHex());
       if (command_.check != 0) object.Add("checked", checked);

@@ -85,6 +85,19 @@ void FeatureTable<D>::AddOthers(const Delta& delta, Sink& mesher, EditableSink* 
 }
 
 template <int D>
+bool FeatureTable<D>::IsIdle(const plc::SizeFeature<D>& f, const Delta& delta,
+                             const meshing::SizingField<D>& present) const {
+  const meshing::SizingRegion<D> region = RegionOf(f);
+  return present.AnyAround(region.Box(), f.sizing.target, [&](auto i) {
+    return present[i].Holds(region) &&
+           std::ranges::none_of(delta.removed_sizes, [&](const auto& s) {
+             const auto it = sizes_.find(s.id);
+             return it != sizes_.end() && it->second == i;
+           });
+  });
+}
+
+template <int D>
 void FeatureTable<D>::AddSizes(const Delta& delta, Sink& mesher) {
   for (const plc::SizeFeature<D>& f : delta.added_sizes) {
     sizes_[f.id] = mesher.AddSizing(RegionOf(f));

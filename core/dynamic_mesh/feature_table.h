@@ -45,6 +45,11 @@ class FeatureTable {
   // The same for a change that only adds. REQUIRES: it is the first one.
   void Add(const Delta& delta, Sink& mesher, Steps& steps);
 
+  // True if all of sizing feature f, which comes or goes with `delta`, certainly lies in one that
+  // stays and is at least as fine. `present`: those before it.
+  bool IsIdle(const plc::SizeFeature<D>& f, const Delta& delta,
+              const meshing::SizingField<D>& present) const;
+
   // Walls added or removed since Collect. A wall that only changed owners counts as removed and
   // added.
   const std::vector<Wall<D>>& toggled_walls() const { return toggled_walls_; }

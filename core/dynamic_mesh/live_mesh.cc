@@ -68,8 +68,12 @@ template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Run(const plc::Delta<D>& delta,
                                           const typename LiveFeatures<D>::Batch& batch,
                                           Commit commit) {
-  const Plan plan = PlanFor(delta, mesh_->plc.size(), mesh_->state->refinement.vertex_count(),
-                            mesh_->options.box, mesh_->tuning.rebuild);
+  const MeshState<D>& state = *mesh_->state;
+  const Plan plan =
+      PlanFor(delta, mesh_->plc.size(), state.refinement.vertex_count(), mesh_->options.box,
+              mesh_->tuning.rebuild, [&](const plc::SizeFeature<D>& f) {
+                return state.features.IsIdle(f, delta, state.refinement.complex().sizing);
+              });
   BatchRun<D> run{mesh_->options, mesh_->tuning, batch.meter, batch.interrupt,
                   batch.most_operations};
   return Transaction<D>(*mesh_, delta, run, commit).Run(plan);

@@ -83,13 +83,16 @@ class PropagationCost {
   std::size_t operations_ = 0, waiting_ = 0;  // at the beginning
 };
 
-// An upper estimate of the vertices that sizing features may need.
-template <int D>
-double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box& box) {
+// An upper estimate of the vertices that sizing features may need, but for those for which
+// is_idle(feature) is true.
+template <int D, class IsIdle>
+double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box& box,
+                       IsIdle is_idle) {
   double whole = 1;
   for (int k = 0; k < D; ++k) whole *= box.hi[k] - box.lo[k];
   double sum = 0;
   for (const plc::SizeFeature<D>& f : sizes) {
+    if (is_idle(f)) continue;
     double cell = 1;
     for (int k = 0; k < D; ++k) cell *= f.sizing.target;
     sum += std::min(plc::RulesOf(f).Measure(f), whole) / cell;
@@ -97,12 +100,20 @@ double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box&
   return sum;
 }
 
-template <int D>
+struct NeverIdle {
+  template <class SizeFeature>
+  bool operator()(const SizeFeature&) const {
+    return false;
+  }
+};
+
+// is_idle(f): will it change nothing that sizing feature f comes or goes?
+template <int D, class IsIdle = NeverIdle>
 Plan PlanFor(const plc::Delta<D>& delta, std::size_t features, std::size_t vertices, const Box& box,
-             const RebuildThresholds& thresholds) {
+             const RebuildThresholds& thresholds, IsIdle is_idle = {}) {
   const auto changes = static_cast<double>(delta.size());
-  const double added = VerticesCarried(delta.added_sizes, box);
-  const double removed = VerticesCarried(delta.removed_sizes, box);
+  const double added = VerticesCarried(delta.added_sizes, box, is_idle);
+  const double removed = VerticesCarried(delta.removed_sizes, box, is_idle);
   const double carried = std::max(added, removed);
   if (changes + carried < static_cast<double>(thresholds.at_least)) return Plan::kPropagate;
   const auto n = static_cast<double>(features), v = static_cast<double>(vertices);

@@ -42,6 +42,8 @@ template <int D>
 typename Transaction<D>::Outcome Transaction<D>::RunInPlace(Plan plan) {
   MeshState<D>& state = *mesh_.state;
   state.refinement.engine().ResetCounters();
+  visited_cells_ = state.refinement.visited_cells();
+  visited_nodes_ = state.refinement.visited_nodes();
   state.refinement.ForgetDepthLimit();
   run_.meter.Begin(ApplyProgress::Stage::kRefine);
   applied_ = BeginInPlace();
@@ -91,14 +93,24 @@ typename Transaction<D>::Outcome Transaction<D>::DiffInPlace() {
     applied_ = 0;
     return Outcome::kUndecided;
   }
-  const sac::Counters& counters = state.refinement.engine().counters();
-  diff_.work.executed = run_.executed;
-  diff_.work.created = counters.created;
-  diff_.work.dropped = counters.dropped;
+  CountWork(state);
+  diff_.work.dropped = state.refinement.engine().counters().dropped;
+  diff_.work.visited_cells -= visited_cells_;
+  diff_.work.visited_nodes -= visited_nodes_;
   absl::Status status = state.diffs.NameStatus(state.refinement, state.features);
   // The diff has consumed the changes: an undo starts with none.
   state.features.Collect();
   return status.ok() ? Outcome::kReady : Refuse(std::move(status));
+}
+
+template <int D>
+void Transaction<D>::CountWork(const MeshState<D>& state) {
+  const sac::Counters& counters = state.refinement.engine().counters();
+  diff_.work.executed = run_.executed;
+  diff_.work.created = counters.created;
+  diff_.work.notified = counters.notified;
+  diff_.work.visited_cells = state.refinement.visited_cells();
+  diff_.work.visited_nodes = state.refinement.visited_nodes();
 }
 
 // --- From scratch ---------------------------------------------------------------------------
@@ -123,8 +135,7 @@ typename Transaction<D>::Outcome Transaction<D>::RunFromScratch() {
   diff_ = mesh_data::DiffMeshes(std::move(before), std::move(built->mesh), steps);
   if (steps.stopped()) return Refuse(plc::InterruptedError());
   diff_.work.diff_microseconds = built->diff_microseconds + watch.microseconds();
-  diff_.work.executed = run_.executed;
-  diff_.work.created = built->state->refinement.engine().counters().created;
+  CountWork(*built->state);
   diff_.work.dropped = present.refinement.engine().operation_count();
   built_ = std::move(built->state);
   return Outcome::kReady;

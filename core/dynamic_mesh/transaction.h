@@ -14,6 +14,7 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_TRANSACTION_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "absl/status/status.h"
@@ -46,6 +47,8 @@ class Transaction {
   Outcome RunInPlace(Plan plan);
   Outcome RunFromScratch();
   std::size_t BeginInPlace();
+  // What is counted of the state's refinement, beside the operations executed by all attempts.
+  void CountWork(const MeshState<D>& state);
   Outcome DiffInPlace();
   Outcome Refuse(absl::Status status);
   void Accept();
@@ -55,6 +58,7 @@ class Transaction {
   const plc::Delta<D>& delta_;
   BatchRun<D>& run_;
   Commit commit_;
+  std::uint64_t visited_cells_ = 0, visited_nodes_ = 0;  // of the present state, at the beginning
   std::size_t applied_ = 0;              // features of delta_ that the present state has
   std::unique_ptr<MeshState<D>> built_;  // the new state, from scratch
   MeshDiff diff_;

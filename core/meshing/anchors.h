@@ -18,7 +18,9 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
@@ -45,18 +47,22 @@ class Anchors {
   static constexpr bool kTraced = kIsTraced<D, E>;
 
   Anchors(const Complex<D, E>& complex, InputEditor<D, E>& input)
-      : complex_(complex), input_(input) {}
+      : complex_(complex), input_(input), widest_level_(WidestLevel(complex)) {}
 
   // Decides again the anchors that changes since the last propagation may affect. False if it was
   // interrupted: then the rest remains to be decided.
   bool Update(absl::FunctionRef<bool()> interrupt);
+  // Balls of lattice points, and points, that were looked at because of sizes so far.
+  std::uint64_t visited_nodes() const { return visited_nodes_; }
   std::size_t bytes() const {
     return anchors_.capacity() * (sizeof(typename decltype(anchors_)::value_type) + 1);
   }
 
  private:
+  using SizeChange = typename SizeChanges<D>::Change;
+
   // This lattice has a point or two along the domain.
-  int WidestLevel() const;
+  static int WidestLevel(const Complex<D, E>& complex);
   // No lattice is finer than vertices may be.
   bool IsInUse(int level) const;
   // Calls f(level) for the lattices of a region of level `own` until f returns false. Returns false
@@ -64,7 +70,17 @@ class Anchors {
   template <class F>
   bool ForEachLevel(int own, F f) const;
   std::set<int> LevelsInUse() const;
-  // The level of the finest lattice that reaches x; more than WidestLevel() if none does.
+  // With those of regions that went.
+  std::set<int> LevelsOf(const SizeChanges<D>& changes) const;
+  // True if all lattices that changed sizes or the present ones have are nested in each other.
+  bool AreAllNested(const SizeChanges<D>& changes) const;
+  // True if the change certainly has no effect on points in the ball, or at a point if radius = 0.
+  // `are_nested`: AreAllNested. `reaches`: of the region's lattices, from the finest one on.
+  bool IsHidden(const SizeChanges<D>& changes, const SizeChange& change, bool are_nested,
+                std::span<const double> reaches, const Point& centre, double radius) const;
+  static bool IsHiddenByOther(const SizeChange& change, bool are_nested,
+                              std::span<const double> reaches, const Point& centre, double radius);
+  // The level of the finest lattice that reaches x; more than the widest level if none does.
   int LevelAt(const Point& x) const;
   // `level`: the widest level that contains the point.
   bool IsAnchor(int level, const Point& x) const;
@@ -75,29 +91,30 @@ class Anchors {
   const Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
   absl::flat_hash_map<typename Lattice::Node, VertexIndex> anchors_;
+  const int widest_level_;
   bool had_sizes_ = false;  // at the last Update
+  std::uint64_t visited_nodes_ = 0;
 };
 
 // --- Implementation -------------------------------------------------------------------------
 
 template <int D, template <class> class E>
-int Anchors<D, E>::WidestLevel() const {
+int Anchors<D, E>::WidestLevel(const Complex<D, E>& complex) {
   double side = 0;
-  for (int k = 0; k < D; ++k)
-    side = std::max(side, complex_.rules.hi()[k] - complex_.rules.lo()[k]);
+  for (int k = 0; k < D; ++k) side = std::max(side, complex.rules.hi()[k] - complex.rules.lo()[k]);
   return Lattice::LevelOf(side / 4);
 }
 
 template <int D, template <class> class E>
 bool Anchors<D, E>::IsInUse(int level) const {
   const double spacing = Lattice::Spacing(level);
-  return level <= WidestLevel() && spacing * spacing > 64 * complex_.rules.least_squared_length();
+  return level <= widest_level_ && spacing * spacing > 64 * complex_.rules.least_squared_length();
 }
 
 template <int D, template <class> class E>
 template <class F>
 bool Anchors<D, E>::ForEachLevel(int own, F f) const {
-  for (int level = own; level <= WidestLevel(); level += Lattice::kOctave) {
+  for (int level = own; level <= widest_level_; level += Lattice::kOctave) {
     if (IsInUse(level) && !f(level)) return false;
   }
   return true;
@@ -113,8 +130,69 @@ std::set<int> Anchors<D, E>::LevelsInUse() const {
 }
 
 template <int D, template <class> class E>
+std::set<int> Anchors<D, E>::LevelsOf(const SizeChanges<D>& changes) const {
+  std::set<int> levels = LevelsInUse();
+  for (const SizeChange& change : changes.list()) {
+    ForEachLevel(Lattice::LevelOf(change.region.target),
+                 [&](int level) { return levels.insert(level), true; });
+  }
+  return levels;
+}
+
+template <int D, template <class> class E>
+bool Anchors<D, E>::AreAllNested(const SizeChanges<D>& changes) const {
+  if (changes.empty()) return true;
+  const int one = Lattice::LevelOf(changes.list().front().region.target);
+  const auto is_nested = [&](int level) { return Lattice::AreNested(one, level); };
+  return std::ranges::all_of(
+             complex_.sizing.levels(),
+             [&](const auto& level_and_count) { return is_nested(level_and_count.first); }) &&
+         std::ranges::all_of(changes.list(), [&](const SizeChange& change) {
+           return is_nested(Lattice::LevelOf(change.region.target));
+         });
+}
+
+// A region has an effect at a point if its lattice there is finer than that of all others, or if it
+// is not nested in theirs and its finer lattice is near (IsAnchor). How near depends on the others'
+// spacing, which is at most that of the level that they have everywhere in the ball.
+template <int D, template <class> class E>
+bool Anchors<D, E>::IsHidden(const SizeChanges<D>& changes, const SizeChange& change,
+                             bool are_nested, std::span<const double> reaches, const Point& centre,
+                             double radius) const {
+  if (change.other != nullptr && change.region.shape == nullptr && change.other->shape == nullptr) {
+    if (IsHiddenByOther(change, are_nested, reaches, centre, radius)) return true;
+    // To decide a point takes no longer than to find out more.
+    if (radius == 0 || changes.IsMoveAlone(change)) return false;
+  }
+  const int level = changes.LevelOver(change, centre, radius, widest_level_ + 1);
+  if (level > widest_level_) return false;
+  const double margin =
+      radius + (are_nested ? 0 : kClearOfOthers * Lattice::Spacing(level) * kBarelyWider);
+  return change.region.LevelNear(centre, margin, level) >= level;
+}
+
+// The same for the region alone that takes its place or gave it its place, which has the same
+// lattices: the distances from the two say which of them count. Fast. REQUIRES: there is that
+// region, and both are boxes with a radius, without a shape.
+template <int D, template <class> class E>
+bool Anchors<D, E>::IsHiddenByOther(const SizeChange& change, bool are_nested,
+                                    std::span<const double> reaches, const Point& centre,
+                                    double radius) {
+  const double from_this = change.region.DistanceToBox(centre),
+               from_other = change.other->DistanceToBox(centre);
+  const double rounding = 1e-9 * (std::fabs(from_this) + std::fabs(from_other) +
+                                  change.region.radius + change.other->radius);
+  const auto counts = std::ranges::lower_bound(reaches, from_other + radius + rounding);
+  if (counts == reaches.end()) return false;
+  if (counts == reaches.begin()) return true;
+  const double spacing = *counts / Lattice::MostReach(0) * Lattice::Spacing(0);
+  const double margin = are_nested ? 0 : kClearOfOthers * spacing * kBarelyWider;
+  return *(counts - 1) < from_this - radius - rounding - margin;
+}
+
+template <int D, template <class> class E>
 int Anchors<D, E>::LevelAt(const Point& x) const {
-  return complex_.sizing.FinestLevel(x, 0, WidestLevel() + 1);
+  return complex_.sizing.FinestLevel(x, 0, widest_level_ + 1);
 }
 
 template <int D, template <class> class E>
@@ -164,15 +242,33 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     }
     return lattice.ForEachIn(within, is_near,
                              [&](const typename Lattice::Index& index, const Point& x) {
-                               DecideAnchor(Lattice::NodeOf(level, index), x);
+                               if (is_near(x, 0)) DecideAnchor(Lattice::NodeOf(level, index), x);
                                return !sometimes();
                              });
   };
   std::set<int> in_use = LevelsInUse();
-  for (const SizingRegion<D>& region : changes.sizes) {
-    Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(region.lo, region.radius);
-    box.AddBall(region.hi, region.radius);
+  // Where a region that came has an effect, points of lattices of those that went may be anchors.
+  const std::set<int> of_changes = LevelsOf(changes.sizes);
+  const bool are_nested = AreAllNested(changes.sizes);
+  for (const SizeChange& change : changes.sizes.list()) {
+    const SizingRegion<D>& region = change.region;
+    if (changes.sizes.IsHidden(change, [&](const SizingRegion<D>& other) {
+          return Lattice::AreNested(Lattice::LevelOf(other.target),
+                                    Lattice::LevelOf(region.target));
+        })) {
+      continue;
+    }
+    const bool may_be_hidden = changes.sizes.MayBeHidden(change);
+    std::vector<double> reaches;
+    for (int level = Lattice::LevelOf(region.target); level <= widest_level_;
+         level += Lattice::kOctave) {
+      reaches.push_back(Lattice::Reach(Lattice::LevelOf(region.target), level));
+    }
+    const auto is_hidden = [&](const Point& centre, double radius) {
+      ++visited_nodes_;
+      return may_be_hidden && IsHidden(changes.sizes, change, are_nested, reaches, centre, radius);
+    };
+    const Extent<D> box = region.Box();
     const int own = Lattice::LevelOf(region.target);
     double finer = -1;  // Reach of the lattice that is an octave finer; it contains the points
                         // within that reach.
@@ -180,7 +276,8 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
       const double reach = Lattice::Reach(own, level);
       const auto is_near = [&](const Point& centre, double radius) {
         return region.Meets(centre, reach + radius) &&
-               !(finer >= radius && region.Meets(centre, finer - radius));
+               !(finer >= radius && region.Meets(centre, finer - radius)) &&
+               !is_hidden(centre, radius);
       };
       const bool all = decide_in(level, box, reach, is_near);
       finer = reach;
@@ -188,13 +285,14 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     });
     if (!done) return false;
     // Wider lattices keep a distance from the finer one beside them.
-    for (const int level : in_use) {
+    for (const int level : of_changes) {
       if (level <= own || Lattice::AreNested(level, own)) continue;
       const int beside = own + (level - own) / Lattice::kOctave * Lattice::kOctave;
       const double margin = Lattice::Reach(own, beside) + kClearOfOthers * Lattice::Spacing(level);
       const auto is_near = [&](const Point& centre, double radius) {
         return region.Meets(centre, margin + radius) &&
-               complex_.sizing.HasFinerLevel(centre, radius, level + 1);
+               complex_.sizing.HasFinerLevel(centre, radius, level + 1) &&
+               !is_hidden(centre, radius);
       };
       if (!decide_in(level, box, margin, is_near)) return false;
     }

@@ -50,6 +50,7 @@ class BoxTree {
   Index Add(Region region);
   void Remove(Index index);
   bool empty() const { return count_ == 0; }
+  std::size_t size() const { return count_; }
   const Region& operator[](Index index) const { return items_[index].region; }
 
   // True if accept(index) holds for a region of key below `bound` near the ball. Calls accept for

@@ -139,12 +139,24 @@ class Payload {
   // kComplete: no vertex beyond this squared distance can be in a ball that was read. kNearest: the
   // squared distance of the nearest vertex. Rounded up.
   float radius2 = 0;
+  // kComplete, by edges: the radius of the largest ball that was judged by target lengths, rounded
+  // up; INFINITY if it is not known. It is a cache: no result depends on it.
+  float most_judged = INFINITY;
   // kComplete: a candidate yielded to encroached subsegments, or was kept out by them. kCure: a
   // candidate encroached on a subsegment. Checks: encroached (then the reads are the witnesses).
   // kPresplit: a feature is too near (then radius2 is its squared distance, and the reads name it
   // unless a facet is nearer).
   std::uint32_t flag : 1 = 0;
 
+  // kComplete: may a ball have been judged that is larger than this radius? Every ball read is in
+  // the cover.
+  bool MayHaveJudged(double radius) const {
+    return most_judged > radius && radius2 > 4 * radius * radius;
+  }
+  // No ball that was judged reaches farther from the vertex. All of them have it on their boundary.
+  double MostReach() const {
+    return std::min(2.0 * most_judged * kWider, std::sqrt(double{radius2}) * kWider);
+  }
   // kComplete: stores the balls of `cover`, coarsely. `doubt`: an error bound of its measures.
   // False if such an error could change the stored bits.
   bool SetCover(const ReadCover<D>& cover, double doubt = 0) {

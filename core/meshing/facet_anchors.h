@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,9 @@ class FacetAnchors {
   void Remove(FacetIndex facet);
 
  private:
+  struct FacetIsNew {
+    double operator()(const Point&, double) const { return INFINITY; }
+  };
   struct Surroundings {
     double feature, edge;  // distances
   };
@@ -260,8 +264,8 @@ bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, doubl
 // Calls decide(index, point) until it returns false, for the points of the cell that may be
 // anchors, or may have been before a change. Returns false if decide did. The change: a feature at
 // distance feature_changed(x) from x, or sizes, where size_changed(x, radius) is the least changed
-// target in that ball. INFINITY: no such change; if both are INFINITY everywhere, all points are
-// decided. Conservative.
+// target in that ball. INFINITY: no such change. FacetIsNew in place of size_changed: all points
+// are decided. Conservative.
 template <int D, template <class> class E>
 template <class FeatureChanged, class SizeChanged, class F>
 bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
@@ -275,8 +279,7 @@ bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& la
   const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * kWider);
   // If another feature is nearer everywhere in the cell, the changed one has no effect.
   const bool is_concerned = changed_target < INFINITY || changed_feature <= feature + 2 * radius;
-  const bool is_all = changed_feature == INFINITY && changed_target == INFINITY;
-  if (!is_concerned && !is_all) return true;
+  if (!is_concerned && !std::is_same_v<SizeChanged, FacetIsNew>) return true;
   const double least = std::min(feature, changed_feature) - radius,  // distance of disjoint
                                                                      // features
       target = std::min(complex_.sizing.LeastTarget(middle, radius), changed_target),
@@ -354,7 +357,7 @@ bool FacetAnchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     constexpr auto kNoSize = [](const Point&, double) { return INFINITY; };
     for (const FacetIndex i : changes.new_facets) {
       if (!MayHaveAnchors(complex_.facets[i])) continue;
-      if (!Decide(i, kNoFeature, kNoSize, sometimes)) return false;
+      if (!Decide(i, kNoFeature, FacetIsNew(), sometimes)) return false;
     }
     if (changes.new_facets.size() < complex_.facets.size()) {
       for (const auto& change : changes.features) {
@@ -380,9 +383,11 @@ bool FacetAnchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
           if (!Decide(i, distance, kNoSize, sometimes)) return false;
         }
       }
-      for (const SizingRegion<D>& region : changes.sizes) {
+      for (const auto& change : changes.sizes.list()) {
+        const SizingRegion<D>& region = change.region;
         const auto target = [&](const Point& x, double radius) {
-          return region.Meets(x, radius) ? region.target : INFINITY;
+          const bool counts = region.Meets(x, radius) && !changes.sizes.IsHidden(change, x, radius);
+          return counts ? region.target : INFINITY;
         };
         const Point middle = geometry::Midpoint(region.lo, region.hi);
         const double radius =

@@ -68,6 +68,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     doubt = 8 * doubt + 8 * complex_.rules.ulp();
     if (!context.payload().SetCover(cover, doubt)) return false;
     context.payload().flag = 0;
+    context.payload().most_judged = INFINITY;
     if constexpr (D == 2) {
       for (const auto corner : link.corners)
         context.Read(complex_.run.triangulation().NextVertex(corner));

@@ -12,6 +12,7 @@
 #include "core/meshing/feature_changes.h"
 #include "core/meshing/notifier.h"
 #include "core/meshing/publisher.h"
+#include "core/meshing/size_changes.h"
 
 namespace dynmesh::meshing {
 
@@ -25,7 +26,11 @@ class InputEditor {
 
   InputEditor(Complex<D, E>& complex, EngineOf<D, E>& engine, Notifier<D, E>& notifier,
               Publisher<D, E>& publisher)
-      : complex_(complex), engine_(engine), notifier_(notifier), publisher_(publisher) {}
+      : complex_(complex),
+        engine_(engine),
+        notifier_(notifier),
+        publisher_(publisher),
+        changes_{.sizes = {complex.sizing, complex.rules.lo(), complex.rules.hi()}} {}
 
   // `feature`: 0 for the domain's border.
   VertexIndex AddPoint(const Point& p, FeatureSlot feature);
@@ -47,10 +52,10 @@ class InputEditor {
 
   // What came or went since the last propagation.
   struct Changes {
-    FeatureChanges<D> features;
-    std::vector<SizingRegion<D>> sizes;
-    std::vector<Facet> facets;
-    std::vector<FacetIndex> new_facets;  // those that came and are present
+    FeatureChanges<D> features = {};
+    SizeChanges<D> sizes;
+    std::vector<Facet> facets = {};
+    std::vector<FacetIndex> new_facets = {};  // those that came and are present
     // A propagation has begun with some of them and was interrupted before it had settled them.
     bool begun = false;
   };
@@ -170,16 +175,14 @@ template <int D, template <class> class E>
 typename InputEditor<D, E>::SizingIndex InputEditor<D, E>::AddSizing(
     const SizingRegion<D>& region) {
   const auto index = complex_.sizing.Add(region);
-  changes_.sizes.push_back(region);
+  changes_.sizes.Come(index);
   IndexFeatures();
-  notifier_.OfSizing(region);
   return index;
 }
 
 template <int D, template <class> class E>
 void InputEditor<D, E>::RemoveSizing(SizingIndex index) {
-  notifier_.OfSizing(complex_.sizing[index]);
-  changes_.sizes.push_back(complex_.sizing[index]);
+  changes_.sizes.Go(index);
   complex_.sizing.Remove(index);
 }
 

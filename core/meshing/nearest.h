@@ -52,7 +52,8 @@ void NearestWork<D, E>::Run(Context& context) {
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
-    if (nearest.v != kNil) context.Read(nearest.v);
+    // A vertex farther away than a facet has no effect. When it vanishes, that is not notified.
+    if (nearest.v != kNil && nearest.d2 == d2) context.Read(nearest.v);
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(complex_.vertex(v).p, std::sqrt(d2) * kBarelyWider + 2 * complex_.rules.ulp());
     complex_.Subscribe(context, box);

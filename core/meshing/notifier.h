@@ -7,12 +7,14 @@
 #include <cmath>
 #include <span>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/base/rounding.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/feature_changes.h"
 #include "core/meshing/read_filter.h"
+#include "core/meshing/size_changes.h"
 
 namespace dynmesh::meshing {
 
@@ -23,8 +25,6 @@ class Notifier {
   using Point = geometry::Point<D>;
   using Subsegment = meshing::Subsegment<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
-  // Distances from a shape are off by a few ulps: for a cell, and for a ball that was read.
-  static constexpr double kUlpsOfShapes = 16;
 
   Notifier(const Complex<D, E>& complex, EngineOf<D, E>& engine)
       : complex_(complex), engine_(engine), filter_(complex, engine) {}
@@ -37,16 +37,22 @@ class Notifier {
   void OfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   // Changes of input, which hold from the beginning.
   void OfFeatures(const FeatureChanges<D>& changes);
-  // An operation subscribes in cells at least half as large as the box of what it read
-  // (SpatialTree::Cover). So cells smaller than the balls that the region allows have no subscriber
-  // to notify.
-  void OfSizing(const SizingRegion<D>& region);
+  void OfSizes(const SizeChanges<D>& changes);
   // Facets close together have nearly the same readers: an operation that read nothing in the box
   // around a group is tested only once. (An operation that read a vertex removed since then is
   // stale and is not tested.)
   void OfFacets(std::span<const Facet> changed);
 
+  // Cells visited because of sizes so far.
+  std::uint64_t visited_cells() const { return visited_cells_; }
+
  private:
+  // An operation subscribes in cells at least half as large as the box of what it read
+  // (SpatialTree::Cover). So cells smaller than the balls that the region allows have no subscriber
+  // to notify. Nor does a cell in which the change is hidden: of a ball that meets the region, and
+  // no other one as fine, a point in the region is outside of those others, and so is the cell
+  // with this point, to which the operation subscribes.
+  void OfSizes(const SizeChanges<D>& changes, const typename SizeChanges<D>::Group& group);
   // Notifies of a change of state outside the time of the trace, which holds from the beginning.
   // Visits the operations that read in cells that meet the box and for which keep(centre, half the
   // side) is true. Marks stale those for which matters(operation) is true.
@@ -57,6 +63,8 @@ class Notifier {
   const Complex<D, E>& complex_;
   EngineOf<D, E>& engine_;
   ReadFilter<D, E> filter_;
+  absl::flat_hash_set<sac::OpId> examined_;  // scratch
+  std::uint64_t visited_cells_ = 0;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -103,9 +111,8 @@ template <class Keep, class Matters>
 void Notifier<D, E>::FromBeginning(const Extent<D>& box, Keep keep, Matters matters) {
   if constexpr (kTraced) {
     if (!engine_.AnyAfter(engine_.beginning())) return;
-    complex_.tree.VisitBoxIf(box, keep, [&](sac::Place place) {
-      engine_.Notify(place, engine_.beginning(), sac::kNoStamp, matters);
-    });
+    complex_.tree.VisitBoxIf(
+        box, keep, [&](sac::Place place) { engine_.NotifyFromBeginning(place, matters); });
   }
 }
 
@@ -122,21 +129,48 @@ void Notifier<D, E>::OfFeatures(const FeatureChanges<D>& changes) {
 }
 
 template <int D, template <class> class E>
-void Notifier<D, E>::OfSizing(const SizingRegion<D>& region) {
+void Notifier<D, E>::OfSizes(const SizeChanges<D>& changes) {
+  if constexpr (!kTraced) return;
+  if (!engine_.AnyAfter(engine_.beginning())) return;
+  for (auto group : changes.groups()) {
+    const auto is_hidden = [&](const auto* change) {
+      return changes.IsHidden(*change, [](const SizingRegion<D>&) { return true; });
+    };
+    group.erase(std::remove_if(group.begin(), group.end(), is_hidden), group.end());
+    if (!group.empty()) OfSizes(changes, group);
+  }
+}
+
+// An operation subscribes to several cells, and only a few have balls as large as to matter: these
+// are examined once.
+template <int D, template <class> class E>
+void Notifier<D, E>::OfSizes(const SizeChanges<D>& changes,
+                             const typename SizeChanges<D>::Group& group) {
   Extent<D> box = Extent<D>::Nothing();
-  box.AddBall(region.lo, region.radius);
-  box.AddBall(region.hi, region.radius);
-  const double least_half = region.most_radius() * kNarrower - complex_.rules.ulp();
-  const double rounding = kUlpsOfShapes * complex_.rules.ulp();
+  double least_radius = INFINITY;
+  for (const auto* change : group) {
+    const Extent<D> of_region = change->region.Box();
+    box.AddBall({of_region.lo}, 0);
+    box.AddBall({of_region.hi}, 0);
+    least_radius = std::min(least_radius, change->region.most_radius());
+  }
+  const double least_half = least_radius * kNarrower - complex_.rules.ulp();
+  examined_.clear();
   FromBeginning(
       box,
       [&](const Point& centre, double half) {
-        // A shape may leave most of its box free.
-        return half >= least_half &&
-               (region.shape == nullptr ||
-                region.Meets(centre, half * kCornerOfCube<D> * kBarelyWider + rounding));
+        if (half < least_half) return false;
+        ++visited_cells_;
+        Extent<D> cell = Extent<D>::Nothing();
+        cell.AddBall(centre, half);
+        return std::ranges::any_of(group, [&](const auto* change) {
+          return change->region.MayMeet(cell) && !changes.IsHidden(*change, cell);
+        });
       },
-      [&](sac::OpId op) { return filter_.SizingMatters(op, region); });
+      [&](sac::OpId op) {
+        return filter_.MayHaveJudged(op, least_radius) && examined_.insert(op).second &&
+               filter_.SizesMatter(op, changes, group);
+      });
 }
 
 template <int D, template <class> class E>

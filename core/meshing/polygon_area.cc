@@ -31,8 +31,19 @@ double PolygonArea::SquaredDistance(const Edge& edge, const Point2& p) {
 }
 
 bool PolygonArea::Meets(const Point2& centre, double radius) const {
+  bool inside = false;
+  return IsNearEdge(centre, radius, &inside) || inside;
+}
+
+bool PolygonArea::Holds(const Point2& centre, double radius, double reach) const {
+  if (radius <= reach) return Meets(centre, reach - radius);
+  bool inside = false;
+  return !IsNearEdge(centre, radius - reach, &inside) && inside;
+}
+
+bool PolygonArea::IsNearEdge(const Point2& centre, double radius, bool* inside) const {
   const double radius2 = radius * radius;
-  bool inside = false, may_be_near = false;
+  bool is_inside = false, may_be_near = false;
   const bool near = edges_.Visit(
       [&](const Point2& lo, const Point2& hi) {
         const double dx = std::max({lo[0] - centre[0], centre[0] - hi[0], 0.0});
@@ -47,11 +58,12 @@ bool PolygonArea::Meets(const Point2& centre, double radius) const {
           if ((e.a[1] <= centre[1]) == (e.b[1] <= centre[1])) continue;
           const double side =
               (e.b[0] - e.a[0]) * (centre[1] - e.a[1]) - (e.b[1] - e.a[1]) * (centre[0] - e.a[0]);
-          inside ^= side > 0;
+          is_inside ^= side > 0;
         }
         return false;
       });
-  return near || inside;
+  *inside = is_inside;
+  return near;
 }
 
 }  // namespace dynmesh::meshing

@@ -23,6 +23,7 @@ class PolygonArea : public SizingShape<2> {
   explicit PolygonArea(std::span<const std::vector<geometry::Point2>> rings);
 
   bool Meets(const geometry::Point2& centre, double radius) const override;
+  bool Holds(const geometry::Point2& centre, double radius, double reach) const override;
   const geometry::Point2& lo() const { return edges_.lo(); }
   const geometry::Point2& hi() const { return edges_.hi(); }
 
@@ -30,6 +31,8 @@ class PolygonArea : public SizingShape<2> {
   using Edge = EdgeTree<2>::Edge;  // the lower end first
   static std::vector<Edge> EdgesOf(std::span<const std::vector<geometry::Point2>> rings);
   static double SquaredDistance(const Edge& edge, const geometry::Point2& p);
+  // Is an edge within `radius` of the centre? If none is, *inside: is the centre inside?
+  bool IsNearEdge(const geometry::Point2& centre, double radius, bool* inside) const;
 
   EdgeTree<2> edges_;
 };

@@ -25,6 +25,9 @@ class Polyline : public SizingShape<D> {
   explicit Polyline(std::span<const Point> vertices);
 
   bool Meets(const Point& centre, double radius) const override;
+  bool Holds(const Point& centre, double radius, double reach) const override {
+    return radius <= reach && Meets(centre, reach - radius);
+  }
   const Point& lo() const { return edges_.lo(); }
   const Point& hi() const { return edges_.hi(); }
 

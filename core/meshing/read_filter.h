@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
@@ -19,6 +20,7 @@
 #include "core/meshing/encroachment.h"
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/presplit.h"
+#include "core/meshing/size_changes.h"
 #include "core/meshing/star.h"
 #include "core/meshing/star_reads.h"
 #include "core/meshing/star_view.h"
@@ -27,7 +29,7 @@ namespace dynmesh::meshing {
 
 // "May this change affect what that operation read?" Pure: functions of the complex and of the
 // operation's record. Conservative: may return true needlessly, never false wrongly.
-// Thread-compatible.
+// Thread-compatible; a call uses scratch.
 template <int D, template <class> class E>
 class ReadFilter {
  public:
@@ -56,11 +58,19 @@ class ReadFilter {
   }
   // A feature comes or goes.
   bool FeatureMatters(sac::OpId op, const InputFeature<D>& feature, bool appears) const;
-  // A sizing region comes or goes. May `op` have found a ball too large for the region, or find one
-  // now? It judged the balls about the corners of the star that it read. If it made vertices, it
-  // also judged the corners of the smaller stars that they left. Those balls lie within the union
-  // of the former, and none is larger than the largest of them.
-  bool SizingMatters(sac::OpId op, const SizingRegion<D>& region) const;
+  // Sizing regions come or go. May `op` have found a ball too large for one of them and for no
+  // other one as fine, or find one now? REQUIRES: MayHaveJudged(op, the least of their radii).
+  bool SizesMatter(sac::OpId op, const SizeChanges<D>& changes,
+                   const typename SizeChanges<D>::Group& group) const;
+  // May `op` have judged by target lengths a ball larger than that? Fast.
+  bool MayHaveJudged(sac::OpId op, double radius) const {
+    if constexpr (kTraced) {
+      const sac::Kind kind = engine_.kind(op);
+      return kind == kComplete ? engine_.payload(op).MayHaveJudged(radius)
+                               : kind == kPresplit || kind == kCure;
+    }
+    return false;
+  }
   // A facet comes or goes.
   bool FacetMatters(sac::OpId op, const Facet& facet) const;
   // Facets in the box come or go. May a ball that the operation read meet the box? All that it read
@@ -94,10 +104,23 @@ class ReadFilter {
                                       double reach, const std::array<double, D>& direction) const;
   std::optional<typename SpatialTree<D>::Ball> BallOfCorner(sac::OpId op, const Corner& ids) const;
   double PresplitReach(sac::OpId op) const;
+  // By how much a vertex of a ball that was judged may be off its boundary, as computed.
+  static double DoubtOf(const Payload& payload) { return (kWider - 1) * payload.MostReach(); }
+  // The two criteria of a Complete. Its vertex lies in each ball that it judged.
+  //
+  // By edges it judged the balls of corners of which its vertex is the youngest, and of no others:
+  // what it made is younger, and so is a corner at it (planar_gaps.h, space_gaps.h).
+  bool SizesMatterByEdge(sac::OpId op, const SizeChanges<D>& changes,
+                         const typename SizeChanges<D>::Group& group) const;
+  // It judged the balls about the corners of the star that it read. If it made vertices, it also
+  // judged the corners of the smaller stars that they left. Those balls lie within the union of the
+  // former, and none is larger than the largest of them.
+  bool SizeMattersByCell(sac::OpId op, const SizingRegion<D>& region) const;
 
   const Complex<D, E>& complex_;
   const EngineOf<D, E>& engine_;
   PresplitRules<D, E> presplit_;
+  mutable std::vector<char> excluded_;  // scratch
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -312,17 +335,103 @@ bool ReadFilter<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& featu
 }
 
 template <int D, template <class> class E>
-bool ReadFilter<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
+bool ReadFilter<D, E>::SizesMatter(sac::OpId op, const SizeChanges<D>& changes,
+                                   const typename SizeChanges<D>::Group& group) const {
   if constexpr (kTraced) {
     if (!IsOn(FilterTerm::kOverSize)) return false;
-    if (engine_.kind(op) == kPresplit) {
-      return !engine_.payload(op).flag &&
-             presplit_.IsTooLong(complex_.subsegment(engine_.item(op)), region);
+    const Payload& payload = engine_.payload(op);
+    switch (engine_.kind(op)) {
+      case kPresplit: {
+        const Subsegment& s = complex_.subsegment(engine_.item(op));
+        const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
+        const double half = 0.5 * std::sqrt(geometry::SquaredDistance(a, b));
+        return !payload.flag && std::ranges::any_of(group, [&](const auto* change) {
+          return presplit_.IsTooLong(s, change->region) &&
+                 !changes.AnyOther(*change, geometry::Midpoint(a, b), half, [&](const auto& other) {
+                   return presplit_.IsTooLong(s, other);
+                 });
+        });
+      }
+      case kCure: {
+        const Point centre = CentreOfReads(op);
+        const double radius = std::sqrt(double{payload.radius2});
+        return std::ranges::any_of(group, [&](const auto* change) {
+          return change->region.Meets(centre, radius) &&
+                 !changes.IsHidden(*change, centre, radius * kWider);
+        });
+      }
+      case kComplete: {
+        const Point& p = complex_.vertex(engine_.item(op)).p;
+        const auto may_matter = [&](const auto* change) {
+          return payload.MayHaveJudged(change->region.most_radius()) &&
+                 change->region.Meets(p, payload.MostReach()) &&
+                 !changes.IsHidden(*change, p, DoubtOf(payload));
+        };
+        if (complex_.by_edge()) {
+          return std::ranges::any_of(group, may_matter) && SizesMatterByEdge(op, changes, group);
+        }
+        return std::ranges::any_of(group, [&](const auto* change) {
+          return may_matter(change) && SizeMattersByCell(op, change->region);
+        });
+      }
+      default:
+        return false;
     }
-    if (engine_.kind(op) == kCure) {
-      return region.Meets(CentreOfReads(op), std::sqrt(double{engine_.payload(op).radius2}));
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool ReadFilter<D, E>::SizesMatterByEdge(sac::OpId op, const SizeChanges<D>& changes,
+                                         const typename SizeChanges<D>::Group& group) const {
+  if constexpr (kTraced) {
+    const VertexIndex v = engine_.item(op);
+    const auto words = engine_.reads(op);
+    const auto ids = NeighboursIn<D>(words);
+    // Neighbours with which no corner matters. A ball has its corner's vertices on its boundary; so
+    // if one of them is where the change is hidden, the ball meets what hides it.
+    excluded_.clear();
+    const double doubt = DoubtOf(engine_.payload(op));
+    for (const std::uint32_t id : ids) {
+      excluded_.push_back(Star<D>::IsGhost(id) || !complex_.IsOlder(id, v) ||
+                          std::ranges::all_of(group, [&](const auto* change) {
+                            return changes.IsHidden(*change, complex_.vertex(id).p, doubt);
+                          }));
     }
-    if (engine_.kind(op) != kComplete) return false;
+    const auto matters = [&](const std::array<int, D>& corner) {
+      Corner of_ids;
+      for (std::size_t k = 0; k < D; ++k) {
+        const auto i = static_cast<std::size_t>(corner[k]);
+        if (excluded_[i]) return false;
+        of_ids[k] = ids[i];
+      }
+      const auto ball = BallOfCorner(op, of_ids);
+      if (!ball.has_value()) return true;
+      const double r = std::sqrt(ball->radius2), wide = r * kWider + complex_.rules.ulp();
+      return std::ranges::any_of(group, [&](const auto* change) {
+        return change->region.most_radius() < wide && change->region.Meets(ball->centre, wide) &&
+               !changes.IsHiddenFrom(*change, ball->centre, r * kNarrower - complex_.rules.ulp());
+      });
+    };
+    if constexpr (D == 2) {
+      const int count = static_cast<int>(ids.size());
+      for (int i = 0; i < count; ++i) {
+        if (matters({i, i + 1 == count ? 0 : i + 1})) return true;
+      }
+      return count == 0;
+    } else {
+      const auto triangles = words.subspan(ids.size());  // none if they were not kept
+      return triangles.empty() || std::ranges::any_of(triangles, [&](std::uint32_t triangle) {
+               return matters(IndicesIn(triangle));
+             });
+    }
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool ReadFilter<D, E>::SizeMattersByCell(sac::OpId op, const SizingRegion<D>& region) const {
+  if constexpr (kTraced) {
     const auto outputs = engine_.outputs(op);
     const bool made = std::any_of(outputs.begin(), outputs.end(),
                                   [](sac::Output o) { return WhatOf(o) == Made::kVertex; });
@@ -332,8 +441,6 @@ bool ReadFilter<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
     bool meets = false, too_large = false, both = false, unsure = false;
     const bool kept = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
       const bool at_end = std::ranges::any_of(ids, Star<D>::IsGhost);
-      // By edges, a size limits triangles and tetrahedra of the mesh alone.
-      if (at_end && complex_.by_edge() && !made) return true;
       const auto ball = BallOfCorner(op, ids);
       if (!ball.has_value() && !at_end) {
         unsure = true;

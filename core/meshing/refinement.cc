@@ -164,8 +164,10 @@ bool Refinement<D, E>::Begin(absl::FunctionRef<bool()> interrupt) {
   auto& changes = parts_->input.changes();
   // Anchors decided by an interrupted call are decided again, even if its changes were undone.
   if (!std::exchange(changes.begun, true)) KeepNetChanges(changes.features);
+  changes.sizes.Begin();
+  parts_->notifier.OfSizes(changes.sizes);
   if (!parts_->anchors.Update(interrupt) || !parts_->facet_anchors.Update(interrupt)) return false;
-  changes.sizes.clear();
+  changes.sizes.Clear();
   changes.new_facets.clear();
   if (!parts_->input_triangulation.Fill(interrupt)) return false;
   if constexpr (!kTraced) parts_->first_gaps.RequestAll();
@@ -197,6 +199,16 @@ void Refinement<D, E>::End(bool is_done) {
     if (complex_.slivers.is_on()) complex_.slivers.Forget();
   }
   parts_->nearest.Forget();
+}
+
+template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::visited_cells() const {
+  return parts_->notifier.visited_cells();
+}
+
+template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::visited_nodes() const {
+  return parts_->anchors.visited_nodes();
 }
 
 template <int D, template <class> class E>

@@ -114,6 +114,9 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   void ForSomeNeighbours(VertexIndex v, absl::FunctionRef<bool(VertexIndex)> f) const override;
   FeatureSlot FacetAt(VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) const override;
 
+  // Because of sizes so far: cells of the vertex tree, and lattice points or balls of them.
+  std::uint64_t visited_cells() const;
+  std::uint64_t visited_nodes() const;
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
   // True if an insertion or a split was refused because it would be finer than limits allow.

@@ -17,6 +17,9 @@ class SizingShape {
 
   // A function of coordinates to the bit. Monotone: true for a greater radius, too.
   virtual bool Meets(const geometry::Point<D>& centre, double radius) const = 0;
+  // True if all of the ball is certainly within `reach` of the shape. Conservative: may return
+  // false needlessly, never true wrongly.
+  virtual bool Holds(const geometry::Point<D>& centre, double radius, double reach) const = 0;
 };
 
 }  // namespace dynmesh::meshing

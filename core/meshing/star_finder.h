@@ -50,6 +50,7 @@ class StarFinder {
   bool ReadOffLink(Link& link, VertexIndex v, double reach);
   std::uint32_t GhostBeyond(const Point& p) const;
   void RecordReads(Context& context) const;
+  double MostJudged() const;
 
   const Complex<D, E>& complex_;
   FormerStar<D, E> former_star_;
@@ -95,8 +96,34 @@ void StarFinder<D, E>::RecordReads(Context& context) const {
       }
     }
     context.payload().SetCover(cover);
+    context.payload().most_judged = RoundedUp(MostJudged());
     complex_.Subscribe(context, cover.box());
   }
+}
+
+// The radius of the largest ball that may be judged by target lengths, rounded up. INFINITY if it
+// is not known, as while there are no sizes. By edges the balls are those of corners of which the
+// vertex is the youngest.
+template <int D, template <class> class E>
+double StarFinder<D, E>::MostJudged() const {
+  if (complex_.sizing.empty() || !complex_.by_edge()) return INFINITY;
+  double most = 0;
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    const auto& n = star_.corner(i);
+    const double margin = MarginOf<D>(complex_.rules, star_.reach(), n.error);
+    const bool is_known = margin < star_.reach() && n.r2 < 1e6 * star_.LeastDistance2(i);
+    const double room = most - margin;
+    if (is_known && room > 0 && n.r2 * kWider * kWider <= room * room) continue;
+    const auto ids = star_.IdsOf(i);
+    const bool is_judged = std::ranges::all_of(ids, [&](std::uint32_t id) {
+      return !Star::IsGhost(id) && complex_.IsOlder(id, star_.vertex());
+    });
+    if (!is_judged) continue;
+    if (!is_known) return INFINITY;
+    // In a lattice most balls are as large, but for the last digits.
+    most = (std::sqrt(n.r2) * kWider + margin) * kWider;
+  }
+  return most;
 }
 
 template <int D, template <class> class E>

@@ -171,6 +171,19 @@ class Engine : public OperationTable<typename PayloadOf<Program>::Type> {
   void Notify(Place place, Stamp after, Stamp until, Affected affected) {
     Notify(place, Parts{0}, after, until, affected);
   }
+  // The same of a change that holds from the beginning: all executed operations are later.
+  template <class Affected>
+  void NotifyFromBeginning(Place place, Affected affected) {
+    const auto asked = subscriptions_.at(place);
+    counters_.notified += asked.size();
+    constexpr std::size_t kFar = 16;
+    for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOperation(asked[i].op);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (i + kFar < asked.size()) PrefetchOperation(asked[i + kFar].op);
+      const OpId id = asked[i].op;
+      if (!(ops_[id].flags & kStale) && affected(id)) MarkStale(id);
+    }
+  }
   // True if no operation has been executed yet. Then operations run in the order of time, once
   // each.
   bool IsFromScratch() const { return frontier_ == beginning(); }

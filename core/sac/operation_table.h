@@ -58,9 +58,9 @@ class OperationTable {
     OpId next_of_item = kNoOp;
     OpId next_in_epoch = kNoOp;
     BlockPool::Block links;  // outputs, requests, places and reads, in this order
+    std::uint32_t refs = 0;
     // Outputs and places are few, but a point may encroach on very many segments at once.
     std::uint64_t reads : 24 = 0, requests : 24 = 0, outputs : 16 = 0;
-    std::uint32_t refs = 0;
     std::uint16_t places = 0;
     Kind kind = 0;
     std::uint8_t flags = 0;

@@ -331,6 +331,9 @@ void EncodeWork(const WorkCounters& work, v1::WorkCounters* out) {
   out->set_microseconds(work.microseconds);
   out->set_validate_microseconds(work.validate_microseconds);
   out->set_diff_microseconds(work.diff_microseconds);
+  out->set_notified(work.notified);
+  out->set_visited_cells(work.visited_cells);
+  out->set_visited_nodes(work.visited_nodes);
 }
 
 WorkCounters DecodeWork(const v1::WorkCounters& work) {
@@ -339,7 +342,10 @@ WorkCounters DecodeWork(const v1::WorkCounters& work) {
           work.dropped(),
           work.microseconds(),
           work.validate_microseconds(),
-          work.diff_microseconds()};
+          work.diff_microseconds(),
+          work.notified(),
+          work.visited_cells(),
+          work.visited_nodes()};
 }
 
 void EncodeTime(absl::Time time, google::protobuf::Timestamp* out) {

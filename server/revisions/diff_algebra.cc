@@ -241,6 +241,9 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     out.work.microseconds += d.work.microseconds;
     out.work.validate_microseconds += d.work.validate_microseconds;
     out.work.diff_microseconds += d.work.diff_microseconds;
+    out.work.notified += d.work.notified;
+    out.work.visited_cells += d.work.visited_cells;
+    out.work.visited_nodes += d.work.visited_nodes;
   }
   vertices.Write(out);
   for (const auto& key : simplices.removed()) {

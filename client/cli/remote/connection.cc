@@ -176,6 +176,9 @@ std::string DiffLine(const MeshDiff& diff, const char* event, bool json) {
         .Add("operations", diff.work.executed)
         .Add("created", diff.work.created)
         .Add("dropped", diff.work.dropped)
+        .Add("notified", diff.work.notified)
+        .Add("visited_cells", diff.work.visited_cells)
+        .Add("visited_nodes", diff.work.visited_nodes)
         .Add("microseconds", diff.work.microseconds)
         .AddText("hash", diff.hash.ToHex());
     AddLabels(diff.labels, line);

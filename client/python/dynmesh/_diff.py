@@ -101,8 +101,8 @@ class Diff:
 
     @property
     def work(self) -> dict[str, float]:
-        """The mesher's work: operations executed, created and dropped, and microseconds."""
-        total = {"executed": 0, "created": 0, "dropped": 0, "microseconds": 0.0}
+        """The mesher's work: operations executed, created, dropped and notified; microseconds."""
+        total = {"executed": 0, "created": 0, "dropped": 0, "microseconds": 0.0, "notified": 0}
         for part in self._parts:
             for key, value in part.work.items():
                 total[key] += value

@@ -123,6 +123,7 @@ py::dict WorkDict(const Diff& d) {
   py::dict result;
   result["executed"] = work.executed, result["created"] = work.created;
   result["dropped"] = work.dropped, result["microseconds"] = work.microseconds;
+  result["notified"] = work.notified;
   return result;
 }
 

@@ -165,6 +165,9 @@ struct WorkCounters {
   double microseconds = 0;           // whole Apply: validation, propagation, diff, hash
   double validate_microseconds = 0;  // the validation's part of it
   double diff_microseconds = 0;      // the diff's part; the rest is the propagation
+  std::uint64_t notified = 0;        // operations asked whether a change matters to them
+  std::uint64_t visited_cells = 0;   // of the vertex tree, because of sizes that came or went
+  std::uint64_t visited_nodes = 0;   // of lattices, one by one or in groups, because of those
 };
 
 // A whole mesh at one revision. Rows are in no particular order unless Canonicalize was called.

@@ -10,6 +10,7 @@
 
 #include "core/meshing/elements.h"
 #include "core/meshing/read_cover.h"
+#include "core/sac/operation_table.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing::payload_test {
@@ -241,8 +242,15 @@ TEST(Payload, RegionMayBeUnbounded) {
 }
 
 // There is one of these for each operation, which is to be a cache line or little more.
-static_assert(sizeof(Payload<2>) == 8);
-static_assert(sizeof(Payload<3>) == 12);
+static_assert(sizeof(Payload<2>) == 12);
+static_assert(sizeof(Payload<3>) == 16);
+// Of a whole operation there is no padding that more of it would use.
+template <int D>
+struct Table : sac::OperationTable<Payload<D>> {
+  static constexpr std::size_t kBytes = sizeof(typename sac::OperationTable<Payload<D>>::Operation);
+};
+static_assert(Table<2>::kBytes == 72);
+static_assert(Table<3>::kBytes == 80);
 
 }  // namespace
 }  // namespace dynmesh::meshing::payload_test

@@ -6,8 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <numbers>
+#include <span>
 #include <vector>
 
+#include "core/meshing/polygon_area.h"
+#include "core/meshing/polyline.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing::sizing_field_test {
@@ -117,6 +122,126 @@ TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
   const SizingRegion<2> point{{{0, 0}}, {{0, 0}}, 0, 1, nullptr};
   EXPECT_TRUE(point.Meets({{3, 4}}, 5));
   EXPECT_FALSE(point.Meets({{3, 4}}, 4.9));
+}
+
+// --- What a region holds ------------------------------------------------------------------
+
+// Boxes with a radius, polylines and polygons.
+SizingRegion<2> RegionOfAnyShape(test::Random& random) {
+  SizingRegion<2> region;
+  region.target = std::ldexp(0.5 + random.Unit(), -4 - random.Below(3));
+  std::vector<Point2> corners;
+  for (int i = 0; i < 5; ++i) {
+    const double turn = 1.25 * i + 0.8 * random.Unit(), r = 0.2 + 0.4 * random.Unit();
+    corners.push_back({{0.5 + r * std::cos(turn), 0.5 + r * std::sin(turn)}});
+  }
+  switch (random.Below(3)) {
+    case 0: {
+      const auto area =
+          std::make_shared<const PolygonArea>(std::vector<std::vector<Point2>>{corners});
+      region.lo = area->lo(), region.hi = area->hi(), region.shape = area;
+      break;
+    }
+    case 1: {
+      const auto line = std::make_shared<const Polyline<2>>(std::span<const Point2>(corners));
+      region.lo = line->lo(), region.hi = line->hi(), region.shape = line;
+      region.radius = 0.2 * random.Unit();
+      break;
+    }
+    default:
+      region.lo = corners[0];
+      region.hi = random.OneIn(2) ? corners[0] : corners[1];
+      for (int k = 0; k < 2; ++k) region.hi[k] = std::max(region.lo[k], region.hi[k]);
+      region.radius = random.OneIn(3) && region.lo != region.hi ? 0 : 0.4 * random.Unit();
+  }
+  return region;
+}
+
+// True if all of some points of the ball about `centre`, many of them on its border, are accepted.
+template <class Accept>
+bool AllAround(const Point2& centre, double radius, Accept accept) {
+  constexpr int kTurns = 64;
+  for (int i = 0; i < kTurns; ++i) {
+    const double turn = 2 * std::numbers::pi * i / kTurns;
+    for (const double part : {1.0, 0.7, 0.3, 0.0}) {
+      const double r = part * radius;
+      if (!accept(Point2{{centre[0] + r * std::cos(turn), centre[1] + r * std::sin(turn)}}))
+        return false;
+    }
+  }
+  return true;
+}
+
+TEST(SizingRegion, HoldsWhatIsInsideEverywhere) {
+  test::Random random(kSeed + 2);
+  int held = 0, might = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const SizingRegion<2> region = RegionOfAnyShape(random);
+    const Point2 centre{{random.Unit(), random.Unit()}};
+    const double radius = std::ldexp(random.Unit(), -1 - random.Below(8));
+    const bool inside =
+        AllAround(centre, radius, [&](const Point2& x) { return region.Meets(x, 0); });
+    const bool holds = region.Holds(centre, radius);
+    ASSERT_TRUE(!holds || inside) << "seed " << kSeed + 2 << ", " << i;
+    Extent<2> box = Extent<2>::Nothing();
+    box.AddBall(centre, radius * std::numbers::sqrt2 / 2);
+    if (region.Holds(box)) {
+      for (const double x : {box.lo[0], box.hi[0]}) {
+        for (const double y : {box.lo[1], box.hi[1]}) {
+          ASSERT_TRUE(region.Meets({{x, y}}, 0));
+        }
+      }
+    }
+    ASSERT_TRUE(!inside || region.MayMeet(box));
+    held += holds ? 1 : 0;
+    might += inside ? 1 : 0;
+  }
+  EXPECT_GT(held, 2000);
+  EXPECT_GT(held, 0.9 * might);
+}
+
+// A region that holds another one holds what that holds.
+TEST(SizingRegion, HoldsRegions) {
+  test::Random random(kSeed + 3);
+  int held = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const SizingRegion<2> region = RegionOfAnyShape(random);
+    SizingRegion<2> other = RegionOfAnyShape(random);
+    for (int k = 0; k < 2 && other.shape == nullptr; ++k) {
+      other.hi[k] = other.lo[k] + 0.2 * (other.hi[k] - other.lo[k]);
+    }
+    other.radius *= 0.3;
+    if (!region.Holds(other)) continue;
+    ++held;
+    for (int k = 0; k < 50; ++k) {
+      const Point2 x{{random.Unit(), random.Unit()}};
+      ASSERT_TRUE(!other.Meets(x, 0) || region.Meets(x, 0)) << "seed " << kSeed + 3 << ", " << i;
+    }
+  }
+  EXPECT_GT(held, 1000);
+}
+
+TEST(SizingField, KnowsALatticeThatIsEverywhereInABall) {
+  test::Random random(kSeed + 4);
+  constexpr int kWidest = 20;
+  int found = 0;
+  for (int round = 0; round < 300; ++round) {
+    SizingField<2> field({{-2.5, -2.5}}, {{3.5, 3.5}});
+    for (int i = random.Below(5); i >= 0; --i) field.Add(RegionOfAnyShape(random));
+    const auto all = [](auto) { return true; };
+    for (int ask = 0; ask < 20; ++ask) {
+      const Point2 centre{{random.Unit(), random.Unit()}};
+      const double radius = std::ldexp(random.Unit(), -1 - random.Below(8));
+      const int level = field.LevelOver(centre, radius, kWidest, all);
+      ASSERT_TRUE(
+          AllAround(centre, radius,
+                    [&](const Point2& x) { return field.FinestLevel(x, 0, kWidest) <= level; }))
+          << "seed " << kSeed + 4;
+      ASSERT_EQ(field.LevelOver(centre, 0, kWidest, all), field.FinestLevel(centre, 0, kWidest));
+      found += level == field.FinestLevel(centre, 0, kWidest) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, 3000);
 }
 
 // Unused cells are released.
