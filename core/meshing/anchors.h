@@ -170,7 +170,7 @@ bool Anchors<D, E>::IsHidden(const SizeChanges<D>& changes, const SizeChange& ch
   const int level = changes.LevelOver(change, centre, radius, widest_level_ + 1);
   if (level > widest_level_) return false;
   const double margin =
-      radius + (are_nested ? 0 : kClear * Lattice::Spacing(level) * kBarelyWider);
+      radius + (are_nested ? 0 : kClearOfOthers * Lattice::Spacing(level) * kBarelyWider);
   return change.region.LevelNear(centre, margin, level) >= level;
 }
 
@@ -189,7 +189,7 @@ bool Anchors<D, E>::IsHiddenByOther(const SizeChange& change, bool are_nested,
   if (counts == reaches.end()) return false;
   if (counts == reaches.begin()) return true;
   const double spacing = *counts / Lattice::MostReach(0) * Lattice::Spacing(0);
-  const double margin = are_nested ? 0 : kClear * spacing * kBarelyWider;
+  const double margin = are_nested ? 0 : kClearOfOthers * spacing * kBarelyWider;
   return *(counts - 1) < from_this - radius - rounding - margin;
 }
 
