@@ -35,9 +35,9 @@ namespace dynmesh::meshing {
 
 // The widest spacing that leaves no room for vertices between the facet and a lattice beside it.
 inline constexpr double kSpacingInTargets = 0.8;
-// In targets. Subsegments of edges are no longer than twice that (IsTooLong), so their balls hold
-// no anchor.
-inline constexpr double kClearOfEdges = 0.5;
+// In targets. Subsegments of edges are shorter than twice that (IsTooLong), so their balls hold no
+// anchor.
+inline constexpr double kClearOfEdges = 0.66;
 
 // True if none of the feature's ends is a corner of the facet.
 template <int D>

@@ -163,7 +163,7 @@ TEST(ChangeCost, InPlane) {
   const std::vector<std::pair<Change, Cost>> bounds = {
       {Change::kVertex, {24, 14}},    // 14.0, 7.9; 15.8, 9.0
       {Change::kSegment, {102, 30}},  // 67.7, 19.7; 52.2, 14.6
-      {Change::kSize, {175, 70}},     // 110.1, 46.6; 135.6, 54.0
+      {Change::kSize, {109, 55}},     // 64.9, 32.1; 72.3, 36.6
   };
   for (const int n : {500, 2000}) ExpectAtMost<2>(n, bounds);
 }

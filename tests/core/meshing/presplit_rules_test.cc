@@ -157,8 +157,7 @@ TYPED_TEST(PresplitRulesTest, ASubsegmentIsTooLongIfItIsForAnyRegion) {
     const double length = std::sqrt(geometry::SquaredDistance(a, b));
     bool naive = false;
     for (const auto& region : regions) {
-      const double most = (D == 2 ? 1.1 : 1.0) * region.target;
-      naive |= length > most && region.Meets(geometry::Midpoint(a, b), length / 2);
+      naive |= length > 1.3 * region.target && region.Meets(geometry::Midpoint(a, b), length / 2);
     }
     ASSERT_EQ(scene.rules.IsTooLong(s), naive);
     ++(naive ? too_long : fine);
