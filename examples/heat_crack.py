@@ -56,7 +56,7 @@ def run(mesh: dynmesh.Mesh, steps: int, out: str) -> None:
         before = elements.integral(temperature[part.vertex_slots])
         start = time.perf_counter()
         diff = mesh.apply(add_points={step + 1: tip}, add_segments={CRACK + step: (step, step + 1)})
-        temperature = diff.transfer(temperature, bounded=True)
+        temperature = diff.transfer(temperature)
         part.update(diff)
         elements.follow()
         spent += time.perf_counter() - start

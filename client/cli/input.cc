@@ -63,9 +63,6 @@ absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& fla
   if (report->is_mended) {
     prepared->geometry.warnings.push_back(Concat(path, ": mended: ", preparation::TextOf(*report)));
   }
-  if (const std::string loops = preparation::TextOfLoops(*report); !loops.empty()) {
-    prepared->geometry.warnings.push_back(Concat(path, ": ", loops));
-  }
   return std::move(prepared->geometry);
 }
 

@@ -156,6 +156,11 @@ int Run(MeshCommand command) {
        (format->Is(io::kMap) && (command.reading.polygons || command.reading.is_map_of_polygons)));
   const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
   if (!selection.ok()) return ReportError(selection.status());
+  // Of what is to be enclosed.
+  if (input->preparation && !selection->IsEverything()) {
+    const std::string loops = preparation::TextOfLoops(*input->preparation);
+    if (!loops.empty()) input->warnings.push_back(Concat(command.input, ": ", loops));
+  }
   MeshLabels labels;
   labels.features = input->labels;
   labels.regions = input->regions;

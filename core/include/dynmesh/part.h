@@ -40,7 +40,7 @@ struct PartChoice {
 // The part; see part.h.
 class MeshPart {
  public:
-  // The part of `mesh`, a whole mesh: not the replica of a watch that follows some regions.
+  // The part of `mesh` by the `choice`. A whole mesh: not the replica of a watch of some regions.
   // Numbers are by ascending slot. O(mesh).
   MeshPart(const SlotMesh& mesh, PartChoice choice);
   MeshPart(const MeshPart& other);
@@ -69,33 +69,38 @@ class MeshPart {
 
   // By cell of the part.
 
-  const SlotColumn<std::int32_t>& cells() const;  // corners, positively oriented: x (dimension + 1)
-  const SlotColumn<Slot>& cell_slots() const;     // its slot in the mesh
+  // Numbers of the corners, positively oriented: cells x (dimension + 1).
+  const SlotColumn<std::int32_t>& cells() const;
+  const SlotColumn<Slot>& cell_slots() const;        // its slot in the mesh
   const SlotColumn<RegionId>& cell_regions() const;  // its region
 
   // By facet of the part.
 
-  // Corners: facets x dimension. At the border the part is on the left (3D: below the facet, whose
-  // corners are counter-clockwise as seen from outside); else of the first of its cells.
+  // Numbers of the corners: facets x dimension. At the border the part is on the left (3D: below
+  // the facet, whose corners are counter-clockwise as seen from outside); else of its first cell.
   const SlotColumn<std::int32_t>& facets() const;
-  const SlotColumn<FeatureId>& facet_owners() const;  // as in SubsegmentColumns; kNoFeature: none
+  // As in SubsegmentColumns; kNoFeature: none.
+  const SlotColumn<FeatureId>& facet_owners() const;
   // The slots of the part's cells at the facet: facets x 2. The second one is kNoSlot at the
   // border.
   const SlotColumn<Slot>& facet_cells() const;
 
   // By slot of the mesh: the number in the part; -1 where it is not in it.
 
-  const SlotColumn<std::int32_t>& vertex_numbers() const;
-  const SlotColumn<std::int32_t>& cell_numbers() const;
+  const SlotColumn<std::int32_t>& vertex_numbers() const;  // by slot of a vertex
+  const SlotColumn<std::int32_t>& cell_numbers() const;    // by slot of a simplex
 
-  // The rows that the last Update has written, each once or more; those behind the former end may
-  // be missing, and some may be behind the present one. Of a new part, and after an O(mesh) update,
-  // all.
+  // The rows that the last Update has written, each once or more. Those behind the former end may
+  // be missing, and some may be behind the present one.
   struct Changes {
-    bool is_all = true;
-    std::vector<std::int32_t> vertices, cells, facets;
-    std::vector<Slot> vertex_slots, cell_slots;  // whose numbers changed
+    bool is_all = true;                  // all rows: of a new part, and after an O(mesh) update
+    std::vector<std::int32_t> vertices;  // of points() and vertex_slots()
+    std::vector<std::int32_t> cells;     // of cells(), cell_slots() and cell_regions()
+    std::vector<std::int32_t> facets;    // of facets(), facet_owners() and facet_cells()
+    std::vector<Slot> vertex_slots;      // of vertex_numbers()
+    std::vector<Slot> cell_slots;        // of cell_numbers()
   };
+  // What the last Update has changed.
   const Changes& changes() const;
 
  private:
