@@ -2,6 +2,7 @@
 // features; answers, retries and snapshots tell them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <vector>
@@ -60,7 +61,8 @@ TEST_F(EndToEndTest, WatchersFollowLabels) {
   ASSERT_EQ(at, diffs.size());
   ASSERT_TRUE(session->Finish().ok());
   const LabelColumn labels = LabelsOf(local->Features());
-  ASSERT_FALSE(labels.empty());
+  // At the end there may be none: all features with one may be gone.
+  ASSERT_TRUE(std::ranges::any_of(diffs, [](const MeshDiff& d) { return !d.labels.empty(); }));
   for (const auto* watch : {&whole, &part}) {
     ASSERT_TRUE((*watch)->WaitForRevision(local->revision(), kLong));
     EXPECT_EQ(LabelsOf(**watch), labels);
