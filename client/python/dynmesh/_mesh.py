@@ -394,7 +394,8 @@ class Mesh:
             voronoi: with a .node, the Voronoi diagram.
         """
         self._replica.write(self._options, os.fspath(path), dict(
-            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours, voronoi=voronoi))
+            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours,
+            voronoi=voronoi))
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:

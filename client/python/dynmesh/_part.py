@@ -88,10 +88,10 @@ class Part:
         """Writes the part to a file, as the command does: a mesh of its own. O(mesh).
 
         Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
-        .face beside it), .svg (a picture); of a quadtree .csv, .vtu and .svg. Markers of features
-        are those of edges and faces, names are groups. Either the files are complete, or the former
-        ones stay. Raises `InvalidArgument` for another extension, `Unavailable` if a file cannot be
-        written.
+        .face beside it), .svg (a picture). Markers of features are those of edges and faces, names
+        are groups. Either the files are complete, or the former ones stay. Raises `InvalidArgument`
+        for another extension, `FailedPrecondition` if the part is not at the mesh's revision,
+        `Unavailable` if a file cannot be written.
 
         Args:
             path: the file; its extension says which format it has.
@@ -102,7 +102,8 @@ class Part:
             voronoi: with a .node, the Voronoi diagram.
         """
         self._part.write(self.mesh._replica, self.mesh._options, os.fspath(path), dict(
-            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours, voronoi=voronoi))
+            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours,
+            voronoi=voronoi))
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
