@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <array>
 
-#include "client/verify/box_grid.h"
 #include "client/verify/containment.h"
+#include "client/verify/simplex_boxes.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -62,41 +62,39 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
                   const std::vector<std::array<std::uint32_t, N>>& simplices,
                   const std::vector<std::array<std::uint32_t, N - 1>>& border) {
   Findings findings("overlap");
-  BoxGrid vertices(mesh, mesh.vertices.size());
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const auto& s : simplices) {
     for (const std::uint32_t v : s) used[v] = true;
   }
+  std::vector<std::uint32_t> corners;
+  std::vector<Box3> places;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (used[v]) vertices.Add(v, mesh.vertices[v].position(), mesh.vertices[v].position());
+    if (!used[v]) continue;
+    corners.push_back(v);
+    places.push_back({mesh.vertices[v].position(), mesh.vertices[v].position()});
   }
+  const geometry::BoxTree<3> vertices(std::move(places));
   for (std::uint32_t i = 0; i < simplices.size(); ++i) {
-    const auto box = BoxOf(mesh, simplices[i]);
-    const auto &lo = box.first, &hi = box.second;
-    vertices.ForEach(lo, hi, [&](std::uint32_t v) {
-      const GridPoint p = mesh.vertices[v].position();
-      for (std::size_t k = 0; k + 1 < N; ++k) {
-        if (p[k] < lo[k] || p[k] > hi[k]) return;
+    vertices.ForEachMeeting(BoxOf(mesh, simplices[i]), [&](std::uint32_t corner) {
+      const std::uint32_t v = corners[corner];
+      if (std::ranges::count(simplices[i], v) != 0 ||
+          !Contains(mesh, simplices[i], mesh.vertices[v].position())) {
+        return;
       }
-      if (std::ranges::count(simplices[i], v) != 0 || !Contains(mesh, simplices[i], p)) return;
       findings.Add(
           Concat(VertexName(v), " lies in ", N == 3 ? TriangleName(i) : TetrahedronName(i)));
     });
   }
-  BoxGrid sides(mesh, border.size());
-  for (std::uint32_t i = 0; i < border.size(); ++i) {
-    const auto [lo, hi] = BoxOf(mesh, border[i]);
-    sides.Add(i, lo, hi);
-  }
+  std::vector<Box3> boxes;
+  for (const auto& side : border) boxes.push_back(BoxOf(mesh, side));
+  const geometry::BoxTree<3> sides(std::move(boxes));
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < border.size(); ++i) {
-    const auto [lo, hi] = BoxOf(mesh, border[i]);
     near.clear();
-    sides.ForEach(lo, hi, [&](std::uint32_t j) {
+    sides.ForEachMeeting(sides.box(i), [&](std::uint32_t j) {
       if (N == 3 ? j < i : j != i) near.push_back(j);
     });
     std::ranges::sort(near);
-    near.erase(std::unique(near.begin(), near.end()), near.end());
     for (const std::uint32_t j : near) {
       if (!Cross(mesh, border[i], border[j])) continue;
       findings.Add(Concat("sides of the border cross at ", VertexName(border[i][0]), " and ",

@@ -16,8 +16,8 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "client/verify/box_grid.h"
 #include "client/verify/containment.h"
+#include "client/verify/simplex_boxes.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/feature_kinds.h"
@@ -84,20 +84,13 @@ class PartInputCheck {
       }
     }
     if (elsewhere.empty()) return;
-    BoxGrid points(mesh_, elsewhere.size());
-    for (std::uint32_t i = 0; i < elsewhere.size(); ++i) {
-      points.Add(i, elsewhere[i]->position, elsewhere[i]->position);
-    }
+    std::vector<Box3> places;
+    for (const Feature* f : elsewhere) places.push_back({f->position, f->position});
+    const geometry::BoxTree<3> points(std::move(places));
     std::set<std::uint32_t> missing;
     ForEachSimplex(mesh_, [&](const auto& simplex) {
-      const auto box = BoxOf(mesh_, simplex);
-      const auto &lo = box.first, &hi = box.second;
-      points.ForEach(lo, hi, [&](std::uint32_t i) {
-        const GridPoint& p = elsewhere[i]->position;
-        for (std::size_t k = 0; k + 1 < simplex.size(); ++k) {
-          if (p[k] < lo[k] || p[k] > hi[k]) return;
-        }
-        if (Contains(mesh_, simplex, p)) missing.insert(i);
+      points.ForEachMeeting(BoxOf(mesh_, simplex), [&](std::uint32_t i) {
+        if (Contains(mesh_, simplex, elsewhere[i]->position)) missing.insert(i);
       });
     });
     for (const std::uint32_t i : missing) {

@@ -8,11 +8,11 @@
 #include "absl/container/flat_hash_map.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
+#include "core/geometry/box_tree.h"
 #include "core/plc/delta.h"
 #include "core/plc/facet.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/feature_index.h"
-#include "core/plc/marked_cells.h"
 #include "core/plc/messages.h"
 #include "core/plc/rules.h"
 
@@ -20,6 +20,8 @@ namespace dynmesh::plc {
 namespace {
 
 using geometry::Point3;
+
+constexpr double kGrown = 1e-4;  // of the mesh's box
 
 class ConflictFinder {
  public:
@@ -36,22 +38,13 @@ class ConflictFinder {
       std::copy_n(f.position.begin(), 3, position_[f.id].c.begin());
     }
     // What is far from all that is looked at does not matter.
-    Point3 lo, hi;
-    for (std::size_t k = 0; k < 3; ++k) {
-      lo.c[k] = options.box.lo[k];
-      hi.c[k] = options.box.hi[k];
-    }
-    MarkedCells cells(lo, hi, features.size());
+    std::vector<Box3> looked_at;
     for (const Feature& f : features) {
-      if (Is<ASize>(f, Not<APoint, ASegment, APolygon>) || !is_looked_at(f.id)) continue;
-      const auto [from, to] = BoxOf(f);
-      cells.Mark(from, to);
+      if (IsShape(f) && is_looked_at(f.id)) looked_at.push_back(BoxOf(f));
     }
-    cells.Finish();
+    const geometry::BoxTree<3> near(std::move(looked_at));
     for (const Feature& f : features) {
-      if (Is<ASize>(f, Not<APoint, ASegment, APolygon>)) continue;
-      const auto [from, to] = BoxOf(f);
-      if (!cells.Meets(from, to)) continue;
+      if (!IsShape(f) || !near.Meets(BoxOf(f))) continue;
       Visit(
           f,
           [&](const APoint& p) {
@@ -97,17 +90,19 @@ class ConflictFinder {
   }
 
  private:
-  std::pair<Point3, Point3> BoxOf(const Feature& f) const {
-    std::pair<Point3, Point3> box;
+  using Box3 = geometry::Box<3>;
+  // Has it a place? Sizes have none.
+  static bool IsShape(const Feature& f) { return !Is<ASize>(f, Not<APoint, ASegment, APolygon>); }
+
+  // Grown by far more than what is too close, or not flat.
+  Box3 BoxOf(const Feature& f) const {
+    Box3 box{};
     bool is_first = true;
     const auto add = [&](FeatureId id) {
-      const Point3& p = position_.at(id);
-      if (is_first) box = {p, p};
+      const Box3::Corner& corner = position_.at(id).c;
+      if (is_first) box = {corner, corner};
       is_first = false;
-      for (std::size_t k = 0; k < 3; ++k) {
-        box.first.c[k] = std::min(box.first.c[k], p.c[k]);
-        box.second.c[k] = std::max(box.second.c[k], p.c[k]);
-      }
+      box.Hold(corner);
     };
     Visit(
         f, [&](const APoint& p) { add(p.id); },
@@ -120,6 +115,10 @@ class ConflictFinder {
           }
         },
         Ignore<ASize>);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double more = kGrown * (options_.box.hi[k] - options_.box.lo[k]);
+      box.low[k] -= more, box.high[k] += more;
+    }
     return box;
   }
 

@@ -11,6 +11,9 @@
 namespace dynmesh::transfer {
 namespace {
 
+using geometry::Box;
+using geometry::BoxTree;
+
 // About the number in 3D.
 constexpr std::size_t kPiecesOfOne = 16;
 

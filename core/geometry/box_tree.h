@@ -1,7 +1,10 @@
-// Finds which of n boxes meet a box: a tree over their centres, built once. As conservative as
-// boxes are. One thread; O(n lg n) to build; queries do not allocate.
-#ifndef DYNMESH_CORE_TRANSFER_BOX_TREE_H_
-#define DYNMESH_CORE_TRANSFER_BOX_TREE_H_
+// Finds which of n boxes meet a box: a tree over their centres, built once.
+//
+// Boxes are closed: those that touch meet. Coordinates are finite. Building costs O(n lg n), a
+// query O(lg n) and the boxes found where these overlap little; it does not allocate.
+// Thread-compatible: const members may run concurrently.
+#ifndef DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
+#define DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
 
 #include <algorithm>
 #include <array>
@@ -9,21 +12,23 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
-#include "core/transfer/simplex.h"
-
-namespace dynmesh::transfer {
+namespace dynmesh::geometry {
 
 template <std::size_t D>
 struct Box {
-  Vec<D> low, high;
-  static Box Of(const Corners<D>& corners) {
+  using Corner = std::array<double, D>;
+  Corner low, high;
+  // Of one point at least.
+  template <class Corners>
+  static Box Of(const Corners& corners) {
     Box box = {corners[0], corners[0]};
-    for (const Vec<D>& c : corners) box.Hold(c);
+    for (const auto& c : corners) box.Hold(c);
     return box;
   }
-  void Hold(const Vec<D>& x) {
+  void Hold(const Corner& x) {
     for (std::size_t k = 0; k < D; ++k) {
       low[k] = std::min(low[k], x[k]), high[k] = std::max(high[k], x[k]);
     }
@@ -47,6 +52,30 @@ class BoxTree {
   // visit(index) for each box that meets `box`, in no particular order.
   template <class Visit>
   void ForEachMeeting(const Box<D>& box, const Visit& visit) const {
+    Any(box, [&](std::uint32_t i) {
+      visit(i);
+      return false;
+    });
+  }
+  // Does a box meet `box`?
+  bool Meets(const Box<D>& box) const {
+    return Any(box, [](std::uint32_t) { return true; });
+  }
+
+  const Box<D>& box(std::size_t i) const { return boxes_[i]; }
+
+ private:
+  static constexpr std::uint32_t kLeaf = 6;
+  struct Node {
+    Box<D> box;
+    std::uint32_t begin, end;
+    std::uint32_t right;  // 0: a leaf
+  };
+
+  // Calls accept(index) for boxes that meet `box` until it returns true, and returns whether it
+  // did.
+  template <class Accept>
+  bool Any(const Box<D>& box, const Accept& accept) const {
     // A left subtree follows its root; the right one has a stored index.
     std::array<std::uint32_t, 64> stack;
     std::size_t depth = 0;
@@ -61,20 +90,11 @@ class BoxTree {
         continue;
       }
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (boxes_[order_[i]].Meets(box)) visit(order_[i]);
+        if (boxes_[order_[i]].Meets(box) && accept(order_[i])) return true;
       }
     }
+    return false;
   }
-
-  const Box<D>& box(std::size_t i) const { return boxes_[i]; }
-
- private:
-  static constexpr std::uint32_t kLeaf = 6;
-  struct Node {
-    Box<D> box;
-    std::uint32_t begin, end;
-    std::uint32_t right;  // 0: a leaf
-  };
 
   std::uint32_t Build(std::uint32_t begin, std::uint32_t end) {
     const auto made = static_cast<std::uint32_t>(nodes_.size());
@@ -105,6 +125,6 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
-}  // namespace dynmesh::transfer
+}  // namespace dynmesh::geometry
 
-#endif  // DYNMESH_CORE_TRANSFER_BOX_TREE_H_
+#endif  // DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
