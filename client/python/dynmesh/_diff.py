@@ -5,17 +5,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Callable, Optional, Union
+from typing import Any, Callable, Optional, Union
 
 import numpy as np
 
 from dynmesh import _core
-from dynmesh._fields import check_kind, check_rows, check_values, is_any_dtype
+from dynmesh._rows import check_kind, check_rows, check_values, is_any_dtype
+from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
 from dynmesh.errors import FailedPrecondition, StaleDiff
-
-if TYPE_CHECKING:
-    from dynmesh._mesh import Mesh
 
 Kind = Union[str, Callable[[Array, "Pieces"], Array]]
 
@@ -76,7 +74,7 @@ class Diff:
     raise `StaleDiff`. Any thread may transfer, several fields at a time.
     """
 
-    def __init__(self, mesh: Mesh, parts: list[Any], old_slots: tuple[int, int]) -> None:
+    def __init__(self, mesh: MeshState, parts: list[Any], old_slots: tuple[int, int]) -> None:
         self._mesh = mesh
         self._parts = parts
         self._old_slots = old_slots
@@ -355,7 +353,7 @@ def _map(kept: Array, slots: int) -> Array:
     return np.where(kept, np.arange(len(kept), dtype=np.int32), np.int32(-1))[:slots]
 
 
-def _empty_patch(mesh: Mesh) -> Patch:
+def _empty_patch(mesh: MeshState) -> Patch:
     slots, ids = np.zeros(0, np.int32), np.zeros(0, np.uint64)
     rows = np.zeros((0, mesh.dimension + 1), np.int32)
     return Patch(mesh.revision, mesh.revision, slots, slots, slots, rows, ids, slots, rows, slots,

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from dynmesh import _core
+from dynmesh._diff import Diff
+from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
 from dynmesh.errors import InvalidArgument, NotFound, StaleDiff
 
 if TYPE_CHECKING:
     import meshio
-
-    from dynmesh._diff import Diff
-    from dynmesh._mesh import Mesh
 
 Ids = Union[int, Iterable[int]]
 
@@ -42,10 +41,10 @@ class Part:
     Thread-safe. What has to be of one revision is read under `with mesh.locked():`.
     """
 
-    def __init__(self, mesh: Mesh, polygons: Ids, names: Union[str, Iterable[str]], inside: bool,
+    def __init__(self, mesh: MeshState, polygons: Ids, names: Union[str, Iterable[str]], inside: bool,
                  without: Ids) -> None:
         #: The whole mesh.
-        self.mesh: Mesh = mesh
+        self.mesh: MeshState = mesh
         self._choice = (_ids("polygons", polygons),
                         [names] if isinstance(names, str) else list(names), inside,
                         _ids("without", without))
