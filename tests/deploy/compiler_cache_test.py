@@ -15,9 +15,11 @@ class CompilerCacheTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         (self.folder / "bin").mkdir()
-        # Tells its arguments, and whether the output of the former compilation is there.
+        # Tells its arguments, whether the output of the former compilation is there, and the folder
+        # below which paths are relative.
         ccache = self.folder / "bin/ccache"
-        ccache.write_text('#!/bin/sh\n[ -e out ] && echo there || echo gone\necho "$@"\nexit 3\n')
+        ccache.write_text('#!/bin/sh\n[ -e out ] && echo there || echo gone\necho "$@"\n'
+                          'echo "$CCACHE_BASEDIR"\nexit 3\n')
         ccache.chmod(0o755)
         (self.folder / "out").write_text("former")
 
@@ -33,12 +35,16 @@ class CompilerCacheTest(unittest.TestCase):
     def test_a_former_precompiled_header_is_removed(self):
         arguments = ["c++", "-O2", "-x", "c++-header", "-include", "a b.hxx", "-o", "out", "-c", "a.cxx"]
         done = self.run_with(*arguments)
-        self.assertEqual(done.stdout, f"gone\n{' '.join(arguments)}\n")
+        self.assertEqual(done.stdout.splitlines()[:2], ["gone", " ".join(arguments)])
         self.assertEqual(done.returncode, 3)
 
     def test_a_former_object_stays(self):
         done = self.run_with("c++", "-x", "c++", "-o", "out", "-c", "a.cxx")
         self.assertEqual(done.stdout.splitlines()[0], "there")
+
+    def test_clones_share_results(self):
+        done = self.run_with("c++", "-o", "out", "-c", "a.cxx")
+        self.assertEqual(done.stdout.splitlines()[-1], str(SOURCE))
 
 
 if __name__ == "__main__":

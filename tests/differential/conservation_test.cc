@@ -15,6 +15,7 @@
 #include "core/io/script/edit_script.h"
 #include "tests/core/transfer/field_lab.h"
 #include "tests/differential/locality_scenes.h"
+#include "tests/support/source_path.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test::conservation_test {
@@ -110,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(Script, ConservationOfData, ::testing::Values("crack", 
                          [](const auto& of) { return std::string(of.param); });
 
 TEST_P(ConservationOfData, OfEachRevision) {
-  const std::string folder = DYNMESH_SOURCE_DIR "/deploy/data/", name = GetParam();
+  const std::string folder = SourcePath("deploy/data/"), name = GetParam();
   MeshOptions options;
   EditBatch first;
   io::ScriptParseOptions parse;

@@ -18,6 +18,7 @@
 #include "core/io/script/edit_script.h"
 #include "dynmesh/quality.h"
 #include "tests/differential/differential.h"
+#include "tests/support/source_path.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test::map_test {
@@ -122,8 +123,8 @@ TEST(Map, IsFromScratchAfterEveryRevision) {
   const int revisions = asked != nullptr                        ? std::atoi(asked)
                         : nightly != nullptr && *nightly != '0' ? 1000
                                                                 : 25;
-  const auto map = io::ReadPolyFile(
-      other != nullptr ? other : DYNMESH_SOURCE_DIR "/deploy/data/coastline-110m.poly");
+  const auto map =
+      io::ReadPolyFile(other != nullptr ? other : SourcePath("deploy/data/coastline-110m.poly"));
   ASSERT_TRUE(map.ok()) << map.status();
   MeshOptions options;
   options.box = io::BoundingBox(map->features);

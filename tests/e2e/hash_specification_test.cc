@@ -8,6 +8,7 @@
 
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "tests/e2e/e2e_fixture.h"
+#include "tests/support/source_path.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::hash_specification_test {
@@ -36,9 +37,8 @@ class HashSpecification : public EndToEndTest {
   // Runs the script; returns its output, or "" if it fails.
   std::string Check(const std::string& files) const {
     const std::string printed = folder_.Path("printed");
-    const std::string command = DYNMESH_PYTHON " -B " DYNMESH_SOURCE_DIR
-                                               "/tests/e2e/mesh_hash.py " DYNMESH_SOURCE_DIR
-                                               "/proto/dynmesh/v1/mesh.proto " +
+    const std::string command = DYNMESH_PYTHON " -B " + test::SourcePath("tests/e2e/mesh_hash.py") +
+                                " " + test::SourcePath("proto/dynmesh/v1/mesh.proto") + " " +
                                 files + " > " + printed;
     if (std::system(command.c_str()) != 0) return "";
     return folder_.Read("printed");

@@ -10,6 +10,7 @@
 #include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
+#include "tests/support/source_path.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh {
@@ -25,7 +26,7 @@ using client::MeshClient;
 class JournalsOfOtherBits : public testing::TestWithParam<bool> {
  protected:
   static void CopyTo(const fs::path& data) {
-    const fs::path journals = DYNMESH_SOURCE_DIR "/tests/e2e/journals";
+    const fs::path journals = test::SourcePath("tests/e2e/journals");
     if (GetParam()) {
       fs::create_directory(data);
       fs::copy_file(journals / "bits1-backup.sqlite", data / "journal.sqlite");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/fuzz/targets.h"
+#include "tests/support/source_path.h"
 
 namespace dynmesh::fuzz {
 namespace {
@@ -48,7 +49,7 @@ constexpr Target kTargets[] = {
 std::vector<std::filesystem::path> FilesOf(const char* target) {
   std::vector<std::filesystem::path> files;
   for (const char* kind : {"corpus", "found"}) {
-    const auto folder = std::filesystem::path(DYNMESH_SOURCE_DIR "/tests/fuzz") / kind / target;
+    const auto folder = std::filesystem::path(test::SourcePath("tests/fuzz")) / kind / target;
     if (!std::filesystem::exists(folder)) continue;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       files.push_back(entry.path());

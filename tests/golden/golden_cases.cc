@@ -18,6 +18,7 @@
 #include "tests/differential/differential.h"
 #include "tests/golden/digest.h"
 #include "tests/support/polygon_script.h"
+#include "tests/support/source_path.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
@@ -179,7 +180,7 @@ std::vector<EditBatch> BatchesOf(const io::EditScript& script) {
   return batches;
 }
 
-const std::string kSource = DYNMESH_SOURCE_DIR;
+const std::string kSource = test::SourcePath();
 
 void AddRegressCases(std::vector<GoldenCase>& cases) {
   std::vector<std::filesystem::path> paths;

@@ -11,6 +11,7 @@
 
 #include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
+#include "tests/support/source_path.h"
 
 namespace dynmesh::test {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 // The lines of hashes.txt by the names of their cases.
 std::map<std::string, std::string> Recorded() {
   std::map<std::string, std::string> lines;
-  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/hashes.txt");
+  std::ifstream file(test::SourcePath("tests/golden/hashes.txt"));
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line[0] == '#') continue;
     std::string name;
@@ -52,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, Golden, testing::Range<std::size_t>(0, GoldenCas
 
 // New hashes of meshes require a new number of bits (kMeshBits).
 TEST(GoldenHashes, AreOfTheBitsThatTheProductTells) {
-  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/hashes.txt");
+  std::ifstream file(test::SourcePath("tests/golden/hashes.txt"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(text.find("# Bits " + std::to_string(kMeshBits) + "\n"), std::string::npos);
 }

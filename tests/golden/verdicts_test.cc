@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/golden/golden_verdicts.h"
+#include "tests/support/source_path.h"
 
 namespace dynmesh::test {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 // The lines of the file without comments.
 std::vector<std::string> RecordedVerdicts() {
   std::vector<std::string> lines;
-  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/verdicts.txt");
+  std::ifstream file(test::SourcePath("tests/golden/verdicts.txt"));
   for (std::string line; std::getline(file, line);) {
     if (!line.empty() && line[0] != '#') lines.push_back(line);
   }
@@ -32,7 +33,7 @@ TEST(GoldenVerdicts, AreThoseRecorded) {
 }
 
 TEST(GoldenVerdicts, HaveEveryReason) {
-  std::ifstream file(DYNMESH_SOURCE_DIR "/core/include/dynmesh/error.h");
+  std::ifstream file(test::SourcePath("core/include/dynmesh/error.h"));
   const std::string header{std::istreambuf_iterator<char>(file), {}};
   const std::vector<std::string> lines = RecordedVerdicts();
   const std::string before = "[] = \"";  // constexpr char kNotFinite[] = "NOT_FINITE";

@@ -10,13 +10,14 @@
 
 #include "core/io/script/edit_script.h"
 #include "tests/differential/differential.h"
+#include "tests/support/source_path.h"
 
 namespace dynmesh::test {
 namespace {
 
 std::vector<std::string> Scripts() {
   std::vector<std::string> names;
-  const std::filesystem::path folder = DYNMESH_SOURCE_DIR "/tests/regress";
+  const std::filesystem::path folder = SourcePath("tests/regress");
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == ".dynmesh") names.push_back(entry.path().stem().string());
   }
@@ -27,8 +28,7 @@ std::vector<std::string> Scripts() {
 class Regress : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Regress, EveryRevisionIsThatOfARunFromScratch) {
-  const auto script =
-      io::ReadEditScript(DYNMESH_SOURCE_DIR "/tests/regress/" + GetParam() + ".dynmesh");
+  const auto script = io::ReadEditScript(SourcePath("tests/regress/") + GetParam() + ".dynmesh");
   ASSERT_TRUE(script.ok()) << script.status().ToString();
   const bool is_planar = script->dimension == 2;
   const double asked = script->Options().quality, finest = is_planar ? 1.0 : kDefaultQuality2D,

@@ -8,11 +8,12 @@
 #include <fstream>
 
 #include "tests/support/certificates.h"
+#include "tests/support/source_path.h"
 
 namespace dynmesh::server::flags_test {
 namespace {
 
-constexpr char kExample[] = DYNMESH_SOURCE_DIR "/deploy/dynmeshd.conf";
+const std::string kExample = test::SourcePath("deploy/dynmeshd.conf");
 
 struct Parsed {
   std::unique_ptr<CLI::App> app = std::make_unique<CLI::App>();

@@ -18,6 +18,7 @@
 #include "core/io/script/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/core/fem/matrix_bounds.h"
+#include "tests/support/source_path.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
@@ -77,7 +78,7 @@ Input Cube(double max_edge) {
 // The features after an edit script of tests/regress.
 Input Script(const std::string& name) {
   Input input{name + ", whole", {}, {}, 0, true};
-  const auto script = io::ReadEditScript(DYNMESH_SOURCE_DIR "/tests/regress/" + name + ".dynmesh");
+  const auto script = io::ReadEditScript(test::SourcePath("tests/regress/") + name + ".dynmesh");
   EXPECT_TRUE(script.ok()) << script.status();
   if (!script.ok()) return input;
   const auto mesh = DynamicMesh::Create(script->Options());

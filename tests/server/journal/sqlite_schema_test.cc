@@ -13,6 +13,7 @@
 #include "server/base/log.h"
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/source_path.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::server::sqlite_schema_test {
@@ -82,7 +83,7 @@ class SqliteSchemaTest : public ::testing::Test {
 // The file is one that dynmeshd wrote when the tables were still made in three steps.
 TEST_F(SqliteSchemaTest, ANewJournalHasTheTablesOfEarlierFiles) {
   MakeJournal();
-  auto earlier = Connect(DYNMESH_SOURCE_DIR "/tests/e2e/journals/bits1-backup.sqlite");
+  auto earlier = Connect(test::SourcePath("tests/e2e/journals/bits1-backup.sqlite"));
   auto now = Connect();
   EXPECT_TRUE(absl::StrContains(Tables(now), "generations.2 parts"));
   EXPECT_EQ(Tables(now), Tables(earlier));

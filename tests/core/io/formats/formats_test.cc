@@ -14,6 +14,7 @@
 #include "core/io/formats/mesh_input.h"
 #include "core/io/formats/mesh_output.h"
 #include "gtest/gtest.h"
+#include "tests/support/source_path.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::io::formats_test {
@@ -22,7 +23,7 @@ namespace {
 using Extensions = std::set<std::string>;
 
 std::string ReadDocument(const std::string& name) {
-  std::ifstream in(std::string(DYNMESH_SOURCE_DIR "/") + name);
+  std::ifstream in(test::SourcePath(name));
   EXPECT_TRUE(in) << name;
   return {std::istreambuf_iterator<char>(in), {}};
 }
