@@ -7,7 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/text.h"
 #include "core/mesh_data/part_state.h"
 
 namespace dynmesh {
@@ -197,88 +196,6 @@ void MeshPart::State::SetTwins(std::int32_t a, std::int32_t b) {
   if (b != kNone && facet_twins[At(b)] != a) set(facet_twins[At(b)], kNone);
   set(a, b);
   set(b, a);
-}
-
-// ---- sides
-
-namespace {
-
-using Vector = std::array<double, 3>;
-
-Vector Minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector Cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-// By feature: along a segment, or from where a polygon's first ring is counter-clockwise.
-absl::flat_hash_map<FeatureId, Vector> DirectionsOf(std::span<const Feature> features,
-                                                    const absl::flat_hash_set<FeatureId>& open) {
-  absl::flat_hash_map<FeatureId, Vector> position, directions;
-  for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) position[f.id] = f.position;
-  }
-  for (const Feature& f : features) {
-    if (!open.contains(f.id)) continue;
-    if (f.kind == FeatureKind::kSegment) {
-      directions[f.id] = Minus(position[f.ends[1]], position[f.ends[0]]);
-    }
-    if (f.kind != FeatureKind::kPolygon || f.rings.empty()) continue;
-    const std::vector<FeatureId>& ring = f.rings[0];
-    Vector normal = {};
-    for (std::size_t i = 2; i < ring.size(); ++i) {
-      const Vector from = position[ring[0]];
-      const Vector part = Cross(Minus(position[ring[i - 1]], from), Minus(position[ring[i]], from));
-      for (std::size_t k = 0; k < 3; ++k) normal[k] += part[k];
-    }
-    directions[f.id] = normal;
-  }
-  return directions;
-}
-
-}  // namespace
-
-absl::StatusOr<std::vector<std::int8_t>> MeshPart::FacetSides(
-    const SlotMesh& mesh, std::span<const Feature> features) const {
-  if (mesh.dimension() != dimension() || mesh.revision() != revision()) {
-    return absl::FailedPreconditionError(text::Concat("the part is of revision ", revision(),
-                                                      ", the mesh is at ", mesh.revision(),
-                                                      ": update the part first"));
-  }
-  const State& state = *state_;
-  const std::size_t d = state.facet_width();
-  const auto directions = DirectionsOf(features, state.open);
-  const std::vector<RegionSet> sets = mesh.region_sets();
-  absl::flat_hash_set<FeatureId> areas;
-  for (const Feature& f : features) {
-    if (d == 2 && f.kind == FeatureKind::kPolygon) areas.insert(f.id);
-  }
-  const auto position = [&](std::size_t row, std::size_t corner) {
-    Vector at = {};
-    std::copy_n(state.points.data() + At(state.facets[row * d + corner]) * d, d, at.begin());
-    return at;
-  };
-  std::vector<std::int8_t> sides(state.facet_owners.size());
-  for (std::size_t row = 0; row < sides.size(); ++row) {
-    const FeatureId owner = state.facet_owners[row];
-    if (state.facet_cells[2 * row + 1] != kNoSlot || !state.open.contains(owner)) continue;
-    bool is_first = false;
-    if (areas.contains(owner)) {
-      const mesh_data::RegionChoice inside = {{owner}, false, {}};
-      is_first =
-          mesh_data::RegionFilter(inside, sets).Has(mesh.regions()[At(state.facet_cells[2 * row])]);
-    } else if (const auto it = directions.find(owner); it != directions.end()) {
-      const Vector along = Minus(position(row, 1), position(row, 0));
-      // The cell is on the left of an edge, and behind a triangle.
-      is_first = d == 2
-                     ? Dot(along, it->second) > 0
-                     : Dot(Cross(along, Minus(position(row, 2), position(row, 0))), it->second) < 0;
-    } else {
-      continue;
-    }
-    sides[row] = is_first ? 1 : -1;
-  }
-  return sides;
 }
 
 }  // namespace dynmesh

@@ -1,5 +1,6 @@
 // The state of a MeshPart. Its functions are in mesh_part.cc (the whole, updates), part_cells.cc
-// (vertices and cells), part_facets.cc and part_seams.cc (opened features). Only for these files.
+// (vertices and cells), part_facets.cc, part_seams.cc (opened features) and part_sides.cc. Only for
+// these files.
 //
 // Invariants between calls of MeshPart:
 //   1. each cell's corners are rows of vertices; `uses` counts them, and none is 0;

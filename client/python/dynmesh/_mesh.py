@@ -15,7 +15,7 @@ from dynmesh import _batch, _core
 from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
 from dynmesh._fields import Fields
-from dynmesh._part import Ids, Part
+from dynmesh._part import Ids, IdsOrNames, Part
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
@@ -244,7 +244,7 @@ class Mesh:
         return CompactMesh(**self._replica.compact())
 
     def part(self, *, polygons: Ids = (), names: Union[str, Iterable[str]] = (),
-             inside: bool = False, without: Ids = ()) -> Part:
+             inside: bool = False, without: Ids = (), open: IdsOrNames = ()) -> Part:
         """The part of the mesh in chosen polygons: the domain of a simulation. O(mesh).
 
         It follows the mesh by `Part.update`. **The whole mesh is larger than its features**: it is
@@ -257,11 +257,15 @@ class Mesh:
             names: names of labels: the polygons that have one of them.
             inside: all polygons that there are; so it is if neither ids nor names are given.
             without: ids of polygons that are left out, as holes.
+            open: ids or names of segments and polygons, as cracks, along which the part is opened:
+                vertices there have a copy for each side (`Part.origin`). Tips stay closed, in 3D the
+                front of a crack; kinks, branches and mouths at the border open. In 2D edges of a
+                polygon are opened, in 3D the polygon.
 
         Raises `NotFound` for a name that no feature has.
         """
         everything = not names and isinstance(polygons, Iterable) and not list(polygons)
-        return Part(self, polygons, names, inside or everything, without)
+        return Part(self, polygons, names, inside or everything, without, open)
 
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,
