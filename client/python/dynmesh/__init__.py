@@ -10,8 +10,8 @@
 A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its row while it exists,
 so a program's arrays need no renumbering. Free rows have id 0 (vertices) or corners -1 (cells).
 **The mesh reaches far beyond its features**: about six times as far as the box, in 3D eight times.
-`Mesh.part()` is the part in polygons, without gaps, and follows edits; `Mesh.compact()` numbers the
-whole mesh without gaps.
+`Mesh.part()` is the part in polygons, without gaps, and follows edits; with `open=` it has two sides
+along cracks. `Mesh.compact()` numbers the whole mesh without gaps.
 """
 from __future__ import annotations
 

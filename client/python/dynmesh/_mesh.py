@@ -15,6 +15,7 @@ from dynmesh import _batch, _core
 from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
 from dynmesh._fields import Fields
+from dynmesh._join import apply_joined
 from dynmesh._part import Ids, IdsOrNames, Part
 from dynmesh.errors import FailedPrecondition
 
@@ -269,7 +270,7 @@ class Mesh:
 
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,
-              **edits: Any) -> Diff:
+              join: bool = False, **edits: Any) -> Diff:
         """Applies a batch of edits atomically: makes the next revision.
 
         A batch that is refused makes none. After `Unavailable` or a timeout it is unknown whether
@@ -291,15 +292,26 @@ class Mesh:
                 total (0: unknown). An exception from it cancels the batch.
             request_id: makes it safe to send the batch twice; unique by default.
             expected_revision: the server refuses the batch at any other revision.
+            join: a point that lies on an edge of a polygon, as the mouth of a crack, becomes a
+                corner of it, and one that is removed leaves it, if the polygon is straight there.
+                Without it such batches are refused. O(features) where a polygon changes.
 
         Returns:
             All changes since the previous revision of this replica, including edits of other
             clients of a server's mesh.
         """
-        batch = _batch.make(self.dimension, edits)
-        return self._edit(lambda: self._backend.apply(
-            self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
-            expected_revision=expected_revision))
+        def apply(given: Mapping[str, Any], expected: Optional[int]) -> Diff:
+            batch = _batch.make(self.dimension, given)
+            return self._edit(lambda: self._backend.apply(
+                self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
+                expected_revision=expected))
+
+        if not join:
+            return apply(edits, expected_revision)
+        with self.locked():
+            # Corners are put into the rings of this revision, and of no other.
+            return apply_joined(edits, self.features, lambda given: apply(
+                given, expected_revision if given is edits else self.revision))
 
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
         """Adds any number of features in one batch.

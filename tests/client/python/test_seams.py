@@ -208,3 +208,39 @@ def test_what_cannot_be_transferred_is_refused(make_mesh):
     part.update(later)
     with pytest.raises(dynmesh.StaleDiff, match="instead of an update"):
         part.transfer(later, np.zeros(len(part.points)))
+
+
+@pytest.mark.parametrize("slope", [0, 1 / 3])
+def test_a_crack_joins_the_border_that_it_reaches(make_mesh, slope):
+    """The polygon gets a corner at the mouth, on slanted edges, too, and loses it with the crack."""
+    mesh = make_mesh(box=[[0, 0], [3, 3]])
+    a, b = np.array((0.1, 0.2)), np.array((2.9, 0.2 + 2.8 * slope))
+    mesh.apply(add_points={1: a, 2: b, 3: (1, 3), 10: (1, 2), 11: (1.2, 1.6)},
+               add_polygons={7: (1, 2, 3)}, add_segments={20: (10, 11)},
+               set_labels={7: dict(name="plate")})
+    before = mesh.hash
+    mouth = dict(add_points={12: a + 0.37 * (b - a)}, add_segments={21: (11, 12)})
+    with pytest.raises(dynmesh.FailedPrecondition):
+        mesh.apply(**mouth)
+    assert mesh.hash == before
+    part = mesh.part(names="plate", open=[20, 21])
+    diff = mesh.apply(join=True, **mouth)
+    part.update(diff)
+    rings = {f["id"]: f["rings"] for f in mesh.features() if f["kind"] == "polygon"}
+    assert rings[7] == [[1, 12, 2, 3]] and mesh.labels[7].name == "plate"
+    assert (part.points == mesh.points[part.vertex_slots]).all()
+    assert (part.points == a + 0.37 * (b - a)).all(axis=1).sum() == 2  # open at the mouth
+    with pytest.raises(dynmesh.FailedPrecondition, match="used by"):
+        mesh.apply(remove=[21, 12])
+    mesh.apply(remove=[21, 12], join=True)
+    assert mesh.hash == before
+    # A corner that is one stays, and what is no polygon is refused as before.
+    with pytest.raises(dynmesh.FailedPrecondition, match="used by"):
+        mesh.apply(remove=[3], join=True)
+    with pytest.raises(dynmesh.FailedPrecondition, match="segment 20"):
+        mesh.apply(add_points={30: (1.1, 1.8)}, join=True)
+    # A polygon that comes in the same batch.
+    mesh.apply(add_points={40: (2, 2.5), 41: (2.5, 2.5), 42: (2.5, 2.9), 43: (2.25, 2.5)},
+               add_polygons={45: (40, 41, 42)}, join=True)
+    rings = {f["id"]: f["rings"] for f in mesh.features() if f["kind"] == "polygon"}
+    assert rings[45] == [[40, 43, 41, 42]]
