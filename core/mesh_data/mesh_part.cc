@@ -141,6 +141,13 @@ absl::Status MeshPart::State::CheckFollows(const SlotMesh& mesh,
   return absl::OkStatus();
 }
 
+absl::Status MeshPart::State::CheckIsAt(const SlotMesh& mesh) const {
+  if (mesh.dimension() == dimension && mesh.revision() == revision) return absl::OkStatus();
+  return absl::FailedPreconditionError(Concat("the part is of revision ", revision,
+                                              ", the mesh is at ", mesh.revision(),
+                                              ": update the part first"));
+}
+
 // `left` are cells at facets that went, `others` those whose facets may change.
 void MeshPart::State::ChangeCells(const SlotMesh& mesh, std::vector<Slot>& left,
                                   std::vector<Slot>& others) {
@@ -217,11 +224,7 @@ absl::Status MeshPart::Update(const SlotMesh& mesh, std::span<const MeshDiff* co
 }
 
 absl::StatusOr<Mesh> MeshPart::ToMesh(const SlotMesh& mesh) const {
-  if (mesh.dimension() != dimension() || mesh.revision() != revision()) {
-    return absl::FailedPreconditionError(Concat("the part is of revision ", revision(),
-                                                ", the mesh is at ", mesh.revision(),
-                                                ": update the part first"));
-  }
+  if (absl::Status s = state_->CheckIsAt(mesh); !s.ok()) return s;
   if (state_->HasSeams()) {
     return absl::FailedPreconditionError(
         "a mesh has one vertex in a place, and this part has copies: it cannot be one");
@@ -229,6 +232,30 @@ absl::StatusOr<Mesh> MeshPart::ToMesh(const SlotMesh& mesh) const {
   const Mesh whole = mesh.ToMesh();
   if (!state_->IsEmptyChoice()) return mesh_data::OnlyInside(whole, state_->regions);
   return mesh_data::OnlyRows(whole, std::vector<bool>(whole.simplex_count()));
+}
+
+absl::StatusOr<std::vector<std::int32_t>> MeshPart::CellsAround(
+    const SlotMesh& mesh, std::span<const std::int32_t> vertices) const {
+  if (absl::Status s = state_->CheckIsAt(mesh); !s.ok()) return s;
+  std::vector<std::int32_t> around;
+  for (const std::int32_t vertex : vertices) {
+    if (vertex < 0 || At(vertex) >= state_->vertex_slots.size()) {
+      return absl::OutOfRangeError(Concat("the part has ", state_->vertex_slots.size(),
+                                          " vertices, and none with number ", vertex));
+    }
+    state_->ForEachCellAt(mesh, state_->vertex_slots[At(vertex)], [&](Slot cell, std::size_t k) {
+      const std::int32_t number = state_->cell_numbers[At(cell)];
+      // Of the cells around the mesh's vertex, those of this copy.
+      if (number != kNone && state_->cells[At(number) * state_->width() + k] == vertex) {
+        around.push_back(number);
+      }
+      return false;
+    });
+  }
+  std::ranges::sort(around);
+  const auto rest = std::ranges::unique(around);
+  around.erase(rest.begin(), rest.end());
+  return around;
 }
 
 int MeshPart::dimension() const { return state_->dimension; }

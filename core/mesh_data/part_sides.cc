@@ -3,7 +3,6 @@
 #include <array>
 
 #include "core/base/feature_kinds.h"
-#include "core/base/text.h"
 #include "core/mesh_data/part_state.h"
 
 namespace dynmesh {
@@ -54,11 +53,7 @@ absl::flat_hash_map<FeatureId, Vector> DirectionsOf(std::span<const Feature> fea
 
 absl::StatusOr<std::vector<std::int8_t>> MeshPart::FacetSides(
     const SlotMesh& mesh, std::span<const Feature> features) const {
-  if (mesh.dimension() != dimension() || mesh.revision() != revision()) {
-    return absl::FailedPreconditionError(text::Concat("the part is of revision ", revision(),
-                                                      ", the mesh is at ", mesh.revision(),
-                                                      ": update the part first"));
-  }
+  if (absl::Status s = state_->CheckIsAt(mesh); !s.ok()) return s;
   const State& state = *state_;
   const std::size_t d = state.facet_width();
   const auto directions = DirectionsOf(features, state.open);

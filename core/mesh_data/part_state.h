@@ -110,6 +110,7 @@ struct MeshPart::State {
   bool IsEmptyChoice() const { return regions.in.empty() && !regions.in_any; }
   void Build(const SlotMesh& mesh);
   absl::Status CheckFollows(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs) const;
+  absl::Status CheckIsAt(const SlotMesh& mesh) const;
   absl::Status Update(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs);
   void Grow(const SlotMesh& mesh);
   void AddOwner(const FacetKey& key, FeatureId owner);
@@ -137,25 +138,24 @@ struct MeshPart::State {
 
   // Calls f(cell, corner) for the mesh's cells at the vertex until it returns true.
   template <class F>
-  void ForEachCellAt(const SlotMesh& mesh, Slot vertex, const F& f) {
+  void ForEachCellAt(const SlotMesh& mesh, Slot vertex, const F& f) const {
     const Slot first = cell_at[part_state::At(vertex)];
     if (first == kNoSlot) return;
-    star_.assign(1, first);
+    std::vector<Slot> star = {first};
     absl::flat_hash_set<Slot> seen = {first};
-    for (std::size_t i = 0; i < star_.size(); ++i) {
-      const Slot* const corners = mesh.cells().data() + part_state::At(star_[i]) * width();
+    for (std::size_t i = 0; i < star.size(); ++i) {
+      const Slot* const corners = mesh.cells().data() + part_state::At(star[i]) * width();
       const auto at =
           static_cast<std::size_t>(std::find(corners, corners + width(), vertex) - corners);
       if (at == width()) continue;  // not one of its cells: of a mesh that is not whole
-      if (f(star_[i], at)) return;
+      if (f(star[i], at)) return;
       for (std::size_t k = 0; k < width(); ++k) {
         if (k == at) continue;
-        const Slot beyond = mesh.neighbours()[part_state::At(star_[i]) * width() + k];
-        if (beyond != kNoSlot && seen.insert(beyond).second) star_.push_back(beyond);
+        const Slot beyond = mesh.neighbours()[part_state::At(star[i]) * width() + k];
+        if (beyond != kNoSlot && seen.insert(beyond).second) star.push_back(beyond);
       }
     }
   }
-  std::vector<Slot> star_;
 
   // ---- facets: part_facets.cc
 

@@ -10,23 +10,26 @@ from dynmesh._types import Array
 _STEPS = 8  # of the projection: the rest falls by a quarter and more in each
 
 
-def at_vertices(points: Array, cells: Array, corners: Array, added: Array, bounded: bool) -> Array:
-    """One value for each vertex; the integral is that of the values at `corners`, to rounding.
+def set_at_vertices(result: Array, changed: Array, points: Array, cells: Array, corners: Array,
+                    is_new: Array, bounded: bool) -> None:
+    """Sets the `changed` vertices such that the integral is that of the values at `corners`.
 
-    At vertices of `added` cells, and where corners disagree, it is the mean, weighted by the cells,
-    and then corrected towards the L2 projection, unless it is `bounded`. Elsewhere it is the value
-    at the corners, to the bit. Linear functions are kept.
+    `cells` are all around them. At vertices of new ones, and where corners disagree, the value is
+    the mean, weighted by the cells, and then corrected towards the L2 projection, unless it is
+    `bounded`. Elsewhere it is the value at the corners, to the bit. Linear functions are kept.
     """
+    if not len(cells):
+        return
     width = cells.shape[1]
-    result = np.zeros((len(points), *corners.shape[2:]))
-    result[cells] = corners
-    is_open = np.zeros(len(points), bool)
-    is_open[cells[added]] = True
-    differs = result[cells] != corners
-    is_open[cells[differs.reshape(*cells.shape, -1).any(axis=2)]] = True
+    rows = changed[cells]
+    result[cells[rows]] = corners[rows]
+    differs = (result[cells] != corners).reshape(len(cells), width, -1).any(axis=2)
+    is_open = np.zeros(len(result), bool)
+    is_open[cells[is_new]] = True
+    is_open[cells[differs]] = True
     star = np.flatnonzero(is_open[cells].any(axis=1))
     if not star.size:
-        return result
+        return
 
     # All cells at these vertices, and a row of numbers for each component.
     numbers, here = np.unique(cells[star], return_inverse=True)
@@ -59,4 +62,3 @@ def at_vertices(points: Array, cells: Array, corners: Array, added: Array, bound
             moment = np.where(tested[:, :, None], moment + out * lost[:, None, None], 0)
             u = u + gathered(moment) / mass[:, None]
     result[numbers[may_change]] = u[may_change].reshape(-1, *result.shape[1:])
-    return result

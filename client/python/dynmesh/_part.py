@@ -3,12 +3,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from dynmesh import _batch, _core
-from dynmesh._copies import at_vertices
+from dynmesh._copies import set_at_vertices
 from dynmesh._fields import check_values
 from dynmesh._types import Array, Label
 from dynmesh.errors import InvalidArgument, NotFound, StaleDiff
@@ -40,6 +41,17 @@ def _ids_and_names(what: str, given: IdsOrNames) -> tuple[list[int], list[str]]:
     return _ids(what, [entry for entry in entries if not isinstance(entry, str)]), names
 
 
+@dataclass(frozen=True)
+class _Former:
+    """A part before a diff, for the values on it."""
+
+    diff: Diff
+    vertices: int
+    cells: Array
+    cell_slots: Array
+    cell_numbers: Array
+
+
 class Part:
     """The part of a mesh that lies in chosen polygons. Made by `Mesh.part`.
 
@@ -64,7 +76,7 @@ class Part:
         self._choice = (_ids("polygons", polygons),
                         [names] if isinstance(names, str) else list(names), inside,
                         _ids("without", without), *_ids_and_names("open", open))
-        self._former: Optional[tuple[Diff, Array, Array]] = None
+        self._former: Optional[_Former] = None
         self._labels: Optional[tuple[int, dict[int, Label]]] = None
         present = {label.name for label in mesh.labels.values() if label.name}
         for name in self._choice[1] + self._choice[5]:
@@ -104,7 +116,7 @@ class Part:
         The part follows the diff, unless it has done so for another field. Nothing is carried across
         what is opened: each copy of a vertex has the values of its side. The integral over the part
         is kept to rounding where the part keeps its shape; linear functions stay linear, on each
-        side. Time: that of the diff, and of some passes over arrays of the part.
+        side. Time: that of the diff, and of a copy of the array.
 
         Args:
             diff: that leads from the part's revision to the mesh's.
@@ -125,31 +137,57 @@ class Part:
         """
         if kind not in ("P1", "P0", "DG1"):
             raise ValueError(f"kind: a part carries 'P1', 'P0' and 'DG1', and got {kind!r}")
-        if self._former is None or self._former[0] is not diff:
+        if self._former is None or self._former.diff is not diff:
             if diff.from_revision != self.revision:
                 raise StaleDiff(f"the part is at revision {self.revision}, and the diff leads from "
                                 f"{diff.from_revision}: transfer its values instead of an update, "
                                 "which they need; the part follows the diff then")
-            former = diff, self.cells, self.cell_slots
+            former = _Former(diff, len(self.vertex_slots), self.cells, self.cell_slots,
+                             self.cell_numbers)
             self.update(diff)
             self._former = former
-        _, cells, slots = self._former
+        former = self._former
         values = np.asarray(u)
-        rows = int(cells.max(initial=-1)) + 1 if kind == "P1" else len(slots)
+        rows = former.vertices if kind == "P1" else len(former.cells)
         if values.ndim == 0 or len(values) != rows:
             raise ValueError(f"u: the part had {rows} {'vertices' if kind == 'P1' else 'cells'} at "
                              f"revision {diff.from_revision}, and the values have the shape "
                              f"{values.shape}")
         check_values("u", values, kind, self.mesh.dimension)
-        by_slot = np.zeros((self.mesh.cell_slots, *(cells.shape[1:] if kind == "P1" else ()),
-                            *values.shape[1:]))
-        by_slot[slots] = values[cells] if kind == "P1" else values
-        diff._carry(by_slot, "DG1" if kind == "P1" else kind, bounded=bounded)
+        if kind == "P1":
+            return self._transfer_at_vertices(former, values, bounded)
+        by_slot = np.zeros((self.mesh.cell_slots, *values.shape[1:]))
+        by_slot[former.cell_slots] = values
+        diff._carry(by_slot, kind, bounded=bounded)
         carried: Array = by_slot[self.cell_slots]
-        if kind != "P1":
-            return carried
-        added = self.cell_numbers[diff.patch.added_cells]
-        return at_vertices(self.points, self.cells, carried, added[added >= 0], bounded)
+        return carried
+
+    def _transfer_at_vertices(self, former: _Former, u: Array, bounded: bool) -> Array:
+        """As DG1, and back to the vertices."""
+        patch = former.diff.patch
+        cells, slots = self.cells, self.cell_slots
+        by_slot = np.zeros((self.mesh.cell_slots, cells.shape[1], *u.shape[1:]))
+        numbers = former.cell_numbers[patch.removed_cells]
+        by_slot[patch.removed_cells[numbers >= 0]] = u[former.cells[numbers[numbers >= 0]]]
+        former.diff._carry(by_slot, "DG1", bounded=bounded)
+        # The vertices that are new, have moved to another row, or have other cells.
+        changed = np.zeros(len(self.vertex_slots), bool)
+        changed[self.changed_vertices] = True
+        changed[former.vertices:] = True
+        changed[cells[self.changed_cells]] = True
+        changed[cells[len(former.cells):]] = True
+        near = self.cells_around(np.flatnonzero(changed))
+        corners = by_slot[slots[near]]
+        was = np.full(len(near), -1)
+        there = slots[near] < len(former.cell_numbers)
+        was[there] = former.cell_numbers[slots[near][there]]
+        corners[was >= 0] = u[former.cells[was[was >= 0]]]
+        result = np.zeros((len(changed), *u.shape[1:]))
+        same = min(len(changed), former.vertices)
+        result[:same] = u[:same]
+        result[changed] = 0
+        set_at_vertices(result, changed, self.points, cells[near], corners, was < 0, bounded)
+        return result
 
     def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, msh_version: float = 4.1,
               from_zero: bool = False, neighbours: bool = False, voronoi: bool = False) -> None:
@@ -242,6 +280,16 @@ class Part:
         That much of a matrix has to be assembled again.
         """
         return self._changed(1, len(self.cell_slots))
+
+    def cells_around(self, vertices: Any) -> Array:
+        """Numbers of the cells around any of these vertices, ascending: int32.
+
+        Time: that of these cells. Raises `OutOfRange` for a number that no vertex has,
+        `FailedPrecondition` if the part is not at the mesh's revision.
+        """
+        numbers = np.ascontiguousarray(np.atleast_1d(vertices), dtype=np.int32)
+        around: Array = self._part.cells_around(self.mesh._replica, numbers)
+        return around
 
     @property
     def facets(self) -> Array:

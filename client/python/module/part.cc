@@ -56,6 +56,13 @@ class SharedPart {
     return part_.FacetSides(mesh.replica(), features);
   }
 
+  absl::StatusOr<std::vector<std::int32_t>> CellsAround(SharedMesh& mesh,
+                                                        std::span<const std::int32_t> vertices) {
+    const MutexLock mesh_lock(mesh.mutex());
+    const MutexLock lock(mutex_);
+    return part_.CellsAround(mesh.replica(), vertices);
+  }
+
   int dimension() const { return dimension_; }
   std::uint64_t revision() {
     const MutexLock lock(mutex_);
@@ -169,6 +176,18 @@ void BindPart(py::module_& module) {
             Write(Value(std::move(own)), options, path, choices, /*is_part=*/true);
           },
           py::arg("mesh"), py::arg("options"), py::arg("path"), py::arg("choices"))
+      .def(
+          "cells_around",
+          [](SharedPart& part, SharedMesh& mesh, const InArray<std::int32_t>& vertices) {
+            absl::StatusOr<std::vector<std::int32_t>> around = absl::UnknownError("");
+            {
+              const auto numbers = SpanOf(vertices);
+              py::gil_scoped_release release;
+              around = part.CellsAround(mesh, numbers);
+            }
+            return Take(Value(std::move(around)));
+          },
+          py::arg("mesh"), py::arg("vertices"))
       .def(
           "facet_sides",
           [](SharedPart& part, SharedMesh& mesh, const Batch& batch) {

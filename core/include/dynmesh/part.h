@@ -90,6 +90,12 @@ class MeshPart {
   const SlotColumn<Slot>& cell_slots() const;        // its slot in the mesh
   const SlotColumn<RegionId>& cell_regions() const;  // its region
 
+  // The cells around any of these `vertices`, ascending, each once. Expected O(cells around them).
+  // FAILED_PRECONDITION if `mesh` is not at revision(); OUT_OF_RANGE for a number that no vertex
+  // has.
+  absl::StatusOr<std::vector<std::int32_t>> CellsAround(
+      const SlotMesh& mesh, std::span<const std::int32_t> vertices) const;
+
   // By facet of the part.
 
   // Numbers of the corners: facets x dimension. At the border the part is on the left (3D: below

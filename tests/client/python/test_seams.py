@@ -82,6 +82,11 @@ def test_a_crack_has_two_sides(make_mesh):
     assert above[upper].all() and not above[lower].any()
     np.testing.assert_array_equal(part.origin[part.facets[upper]],
                                   part.origin[part.facets[part.facet_twins[upper]][:, ::-1]])
+    some = np.append(doubled[:2], 0)
+    np.testing.assert_array_equal(part.cells_around(some),
+                                  np.flatnonzero(np.isin(part.cells, some).any(axis=1)))
+    with pytest.raises(dynmesh.OutOfRange, match="none with number -1"):
+        part.cells_around(-1)
     assert part.to_meshio().points.shape == part.points.shape
     with pytest.raises(dynmesh.FailedPrecondition, match="copies"):
         part.write("crack.msh")
