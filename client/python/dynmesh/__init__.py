@@ -23,6 +23,7 @@ from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._part import Part
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
+from dynmesh._solvers import DolfinxMesh, SkfemArrays, to_dolfinx, to_skfem
 from dynmesh._types import Label
 from dynmesh.errors import (
     AlreadyExists,
@@ -52,6 +53,7 @@ __all__ = [
     "DataLoss",
     "DeadlineExceeded",
     "Diff",
+    "DolfinxMesh",
     "DynmeshError",
     "FailedPrecondition",
     "Fields",
@@ -69,6 +71,7 @@ __all__ = [
     "RegionFlow",
     "Series",
     "Server",
+    "SkfemArrays",
     "StaleDiff",
     "Unavailable",
     "VersionMismatch",
@@ -76,4 +79,6 @@ __all__ = [
     "open",
     "read_input",
     "read_surface",
+    "to_dolfinx",
+    "to_skfem",
 ]
