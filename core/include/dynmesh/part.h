@@ -45,10 +45,10 @@ struct PartChoice {
   std::vector<std::string> names = {};   // by the names of their labels
   bool inside = false;                   // all polygons that there are
   std::vector<FeatureId> without = {};   // by id
-  // What is opened: segments and polygons, by id, and by the names of their labels. In 2D it is
-  // opened along the subsegments that they own (VertexColumns), in 3D along their subfacets.
+  // Segments and polygons that are opened, by id: in 2D along the subsegments that they own
+  // (VertexColumns), in 3D along their subfacets.
   std::vector<FeatureId> open = {};
-  std::vector<std::string> open_names = {};
+  std::vector<std::string> open_names = {};  // and by the names of their labels
 };
 
 // The part; see part.h.

@@ -86,6 +86,7 @@ def test_a_closed_surface_with_one_name_is_a_subdomain(make_mesh):
     assert dynmesh.to_skfem(mesh.part(polygons=12345)).t.shape == (4, 0)
 
 
+@pytest.mark.filterwarnings("ignore")  # of its compiler, which leaves files open
 @pytest.mark.parametrize("make_part", [plate, room])
 def test_dolfinx_integrates_over_names(make_mesh, make_part):
     dolfinx = pytest.importorskip("dolfinx", reason="python3-dolfinx is not installed")
