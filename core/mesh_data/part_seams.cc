@@ -4,8 +4,10 @@
 // not opened. Each has a copy of the vertex. So tips and crack fronts stay closed, and kinks,
 // branches and mouths at the border open, without a rule for any of them.
 #include <algorithm>
+#include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/mesh_data/part_state.h"
 

@@ -125,7 +125,8 @@ class Part:
                 before that, in the order of `cells`.
             kind: "P1": values at vertices, of which each copy has its own. "P0": means of cells.
                 "DG1": a linear function in each cell.
-            bounded: keeps all values in the range of the old ones in the patch.
+            bounded: keeps all values in the range of the old ones. What comes into the part then has
+                their mean, and else 0.
 
         Returns:
             A new array, with a row for each vertex or cell of the part now.
@@ -137,6 +138,11 @@ class Part:
         """
         if kind not in ("P1", "P0", "DG1"):
             raise ValueError(f"kind: a part carries 'P1', 'P0' and 'DG1', and got {kind!r}")
+        with self.mesh.locked():
+            former = self._follow(diff)
+            return self._transfer_from(former, np.asarray(u), kind, bounded)
+
+    def _follow(self, diff: Diff) -> _Former:
         if self._former is None or self._former.diff is not diff:
             if diff.from_revision != self.revision:
                 raise StaleDiff(f"the part is at revision {self.revision}, and the diff leads from "
@@ -146,8 +152,10 @@ class Part:
                              self.cell_numbers)
             self.update(diff)
             self._former = former
-        former = self._former
-        values = np.asarray(u)
+        return self._former
+
+    def _transfer_from(self, former: _Former, values: Array, kind: str, bounded: bool) -> Array:
+        diff = former.diff
         rows = former.vertices if kind == "P1" else len(former.cells)
         if values.ndim == 0 or len(values) != rows:
             raise ValueError(f"u: the part had {rows} {'vertices' if kind == 'P1' else 'cells'} at "
@@ -157,6 +165,8 @@ class Part:
         if kind == "P1":
             return self._transfer_at_vertices(former, values, bounded)
         by_slot = np.zeros((self.mesh.cell_slots, *values.shape[1:]))
+        if bounded and len(values):
+            by_slot[:] = values.mean(axis=0)  # beyond the part, a value within their range
         by_slot[former.cell_slots] = values
         diff._carry(by_slot, kind, bounded=bounded)
         carried: Array = by_slot[self.cell_slots]
@@ -168,6 +178,9 @@ class Part:
         cells, slots = self.cells, self.cell_slots
         by_slot = np.zeros((self.mesh.cell_slots, cells.shape[1], *u.shape[1:]))
         numbers = former.cell_numbers[patch.removed_cells]
+        if bounded and len(u):  # beyond the part, a value within their range
+            by_slot[patch.removed_cells[numbers < 0]] = u.mean(axis=0)
+            by_slot[patch.relabelled_cells] = u.mean(axis=0)
         by_slot[patch.removed_cells[numbers >= 0]] = u[former.cells[numbers[numbers >= 0]]]
         former.diff._carry(by_slot, "DG1", bounded=bounded)
         # The vertices that are new, have moved to another row, or have other cells.

@@ -187,12 +187,20 @@ def test_bounded_values_stay_within_their_range(make_mesh):
     mesh = plate(make_mesh, points={10: (0.3, 0.5)}, add_segments={20: (10, RIGHT)})
     part = mesh.part(polygons=7, open=20)
     random = np.random.default_rng(5)
-    u = random.random(len(part.points))
+    u = 5 + random.random(len(part.points))
     total = integral(part, u)
-    for i in range(5):
-        u = part.transfer(mesh.apply(add_points={100 + i: random.random(2)}), u, bounded=True)
-        assert 0 <= u.min() and u.max() <= 1
+    for i in range(10):
+        place = random.random(2) * [1, 0.05]  # near the lower side
+        diff = mesh.apply(add_points={100 + i: place})
+        corners = part.transfer(diff, u[part.cells] if i == 0 else corners, "DG1", bounded=True)
+        u = part.transfer(diff, u, bounded=True)
+        assert 5 <= u.min() and u.max() <= 6
+        assert 5 <= corners.min() and corners.max() <= 6
     np.testing.assert_allclose(integral(part, u), total, rtol=1e-12)
+    # What comes into the part has a value in this range, too.
+    for corner in ((0.9, 0.9), (1, 1)):
+        u = part.transfer(mesh.apply(move_points={4: corner}), u, bounded=True)
+        assert 5 <= u.min() and u.max() <= 6
 
 
 def test_what_cannot_be_transferred_is_refused(make_mesh):

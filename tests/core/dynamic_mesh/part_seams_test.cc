@@ -543,6 +543,29 @@ TEST(PartSeams, AnOpenedPolygonIsCutOut) {
   for (const std::int8_t side : outer) EXPECT_LE(side, 0);
 }
 
+// Two triangles that touch in one point stay together there, unless a crack in one of them ends
+// there.
+TEST(PartSeams, WhatOnlyTouchesIsTakenApartByACrackInItAlone) {
+  const auto mesher = *DynamicMesh::Create(OptionsOf(2));
+  SlotMesh mesh = *SlotMesh::FromMesh(mesher->Snapshot());
+  ASSERT_TRUE(
+      mesh.Apply(*mesher->Apply(AddAll(std::vector<Feature>{
+                     Feature::Point(1, 0, 0), Feature::Point(2, 0.5, 0.5), Feature::Point(3, 0, 1),
+                     Feature::Point(4, 1, 0), Feature::Point(5, 1, 1),
+                     Feature::Polygon(7, {{1, 2, 3}}), Feature::Polygon(8, {{4, 5, 2}}),
+                     Feature::Point(10, 0.5, 1), Feature::Segment(20, 2, 10),
+                     Feature::Point(11, 0.1, 0.5), Feature::Segment(21, 11, 2)})))
+          .ok());
+  EXPECT_EQ(CopiesAt(MeshPart(mesh, {.inside = true}), {0.5, 0.5}), 1U);
+  EXPECT_EQ(CopiesAt(MeshPart(mesh, {.inside = true, .open = {20}}), {0.5, 0.5}), 1U);
+  EXPECT_EQ(CopiesAt(MeshPart(mesh, {.inside = true, .open = {21}}), {0.5, 0.5}), 3U);
+  const MeshPart part(mesh, {.inside = true, .open = {21}});
+  const std::vector<std::int32_t> all = *part.CellsAround(mesh, part.origin().span());
+  EXPECT_EQ(all.size(), part.cell_slots().size());
+  const std::int32_t none[] = {static_cast<std::int32_t>(part.origin().size())};
+  EXPECT_EQ(part.CellsAround(mesh, none).status().code(), absl::StatusCode::kOutOfRange);
+}
+
 // A square crack in a box, or from its middle to a wall.
 void CheckSquareInBox(bool reaches_wall) {
   const auto mesher = *DynamicMesh::Create(OptionsOf(3));
