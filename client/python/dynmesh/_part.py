@@ -63,8 +63,9 @@ class Part:
     Values by slot, as those of `mesh.fields`, are brought to the part by `values[part.vertex_slots]`
     or `values[part.cell_slots]`.
 
-    A part with `open` features, as cracks, has a copy of a vertex for each side: `origin` tells
-    which are one vertex of the mesh. Values of such a part are carried by `Part.transfer`.
+    A part with `open` features, as cracks, has a copy of a vertex for each side, and a facet:
+    `origin` tells which are one vertex of the mesh, `facet_twins` and `facet_sides` tell the sides.
+    A crack without a vertex between its tips stays closed. Values of such a part are carried by `Part.transfer`.
 
     Thread-safe. What has to be of one revision is read under `with mesh.locked():`.
     """
