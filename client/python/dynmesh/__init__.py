@@ -10,8 +10,8 @@
 A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its row while it exists,
 so a program's arrays need no renumbering. Free rows have id 0 (vertices) or corners -1 (cells).
 **The mesh reaches far beyond its features**: about six times as far as the box, in 3D eight times.
-`Mesh.part()` is the part in polygons, without gaps, and follows edits; `Mesh.compact()` numbers the
-whole mesh without gaps.
+`Mesh.part()` is the part in polygons, without gaps, and follows edits; with `open=` it has two sides
+along cracks. `Mesh.compact()` numbers the whole mesh without gaps.
 """
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._part import Part
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
+from dynmesh._solvers import DolfinxMesh, SkfemArrays, to_dolfinx, to_skfem
 from dynmesh._types import Label
 from dynmesh.errors import (
     AlreadyExists,
@@ -52,6 +53,7 @@ __all__ = [
     "DataLoss",
     "DeadlineExceeded",
     "Diff",
+    "DolfinxMesh",
     "DynmeshError",
     "FailedPrecondition",
     "Fields",
@@ -69,6 +71,7 @@ __all__ = [
     "RegionFlow",
     "Series",
     "Server",
+    "SkfemArrays",
     "StaleDiff",
     "Unavailable",
     "VersionMismatch",
@@ -76,4 +79,6 @@ __all__ = [
     "open",
     "read_input",
     "read_surface",
+    "to_dolfinx",
+    "to_skfem",
 ]

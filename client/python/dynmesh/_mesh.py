@@ -15,7 +15,8 @@ from dynmesh import _batch, _core
 from dynmesh._types import Array, Label
 from dynmesh._diff import Diff
 from dynmesh._fields import Fields
-from dynmesh._part import Ids, Part
+from dynmesh._join import apply_joined
+from dynmesh._part import Ids, IdsOrNames, Part
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
@@ -244,7 +245,7 @@ class Mesh:
         return CompactMesh(**self._replica.compact())
 
     def part(self, *, polygons: Ids = (), names: Union[str, Iterable[str]] = (),
-             inside: bool = False, without: Ids = ()) -> Part:
+             inside: bool = False, without: Ids = (), open: IdsOrNames = ()) -> Part:
         """The part of the mesh in chosen polygons: the domain of a simulation. O(mesh).
 
         It follows the mesh by `Part.update`. **The whole mesh is larger than its features**: it is
@@ -257,15 +258,19 @@ class Mesh:
             names: names of labels: the polygons that have one of them.
             inside: all polygons that there are; so it is if neither ids nor names are given.
             without: ids of polygons that are left out, as holes.
+            open: ids or names of segments and polygons, as cracks, along which the part is opened:
+                vertices there have a copy for each side (`Part.origin`). Tips stay closed, in 3D the
+                front of a crack; kinks, branches and mouths at the border open. In 2D edges of a
+                polygon are opened, in 3D the polygon.
 
         Raises `NotFound` for a name that no feature has.
         """
         everything = not names and isinstance(polygons, Iterable) and not list(polygons)
-        return Part(self, polygons, names, inside or everything, without)
+        return Part(self, polygons, names, inside or everything, without, open)
 
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,
-              **edits: Any) -> Diff:
+              join: bool = False, **edits: Any) -> Diff:
         """Applies a batch of edits atomically: makes the next revision.
 
         A batch that is refused makes none. After `Unavailable` or a timeout it is unknown whether
@@ -287,15 +292,26 @@ class Mesh:
                 total (0: unknown). An exception from it cancels the batch.
             request_id: makes it safe to send the batch twice; unique by default.
             expected_revision: the server refuses the batch at any other revision.
+            join: a point that lies on an edge of a polygon, as the mouth of a crack, becomes a
+                corner of it, and one that is removed leaves it, if the polygon is straight there.
+                Without it such batches are refused. O(features) where a polygon changes.
 
         Returns:
             All changes since the previous revision of this replica, including edits of other
             clients of a server's mesh.
         """
-        batch = _batch.make(self.dimension, edits)
-        return self._edit(lambda: self._backend.apply(
-            self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
-            expected_revision=expected_revision))
+        def apply(given: Mapping[str, Any], expected: Optional[int]) -> Diff:
+            batch = _batch.make(self.dimension, given)
+            return self._edit(lambda: self._backend.apply(
+                self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
+                expected_revision=expected))
+
+        if not join:
+            return apply(edits, expected_revision)
+        with self.locked():
+            # Corners are put into the rings of this revision, and of no other.
+            return apply_joined(edits, self.features, lambda given: apply(
+                given, expected_revision if given is edits else self.revision))
 
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
         """Adds any number of features in one batch.

@@ -3,12 +3,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
-from dynmesh import _core
+from dynmesh import _batch, _core
+from dynmesh._copies import set_at_vertices
 from dynmesh._diff import Diff
+from dynmesh._rows import check_values
 from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
 from dynmesh.errors import InvalidArgument, NotFound, StaleDiff
@@ -17,14 +20,35 @@ if TYPE_CHECKING:
     import meshio
 
 Ids = Union[int, Iterable[int]]
+IdsOrNames = Union[int, str, Iterable[Union[int, str]]]
 
 
 def _ids(what: str, ids: Ids) -> list[int]:
-    if isinstance(ids, (int, np.integer)):
-        return [int(ids)]
-    if isinstance(ids, (str, bytes)) or not isinstance(ids, Iterable):
+    entries = [ids] if isinstance(ids, (int, np.integer)) else ids
+    if isinstance(entries, (str, bytes)) or not isinstance(entries, Iterable):
         raise InvalidArgument(f"{what}: ids of polygons are integers, as {what}=[7, 9]; got {ids!r}")
-    return [int(id_) for id_ in ids]
+    entries = list(entries)
+    for entry in entries:
+        if not isinstance(entry, (int, np.integer)):
+            raise InvalidArgument(f"{what}: ids are integers, as {what}=[7, 9]; got {entry!r}")
+    return [int(id_) for id_ in entries]
+
+
+def _ids_and_names(what: str, given: IdsOrNames) -> tuple[list[int], list[str]]:
+    entries = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    names = [entry for entry in entries if isinstance(entry, str)]
+    return _ids(what, [entry for entry in entries if not isinstance(entry, str)]), names
+
+
+@dataclass(frozen=True)
+class _Former:
+    """A part before a diff, for the values on it."""
+
+    diff: Diff
+    vertices: int
+    cells: Array
+    cell_slots: Array
+    cell_numbers: Array
 
 
 class Part:
@@ -38,19 +62,24 @@ class Part:
     Values by slot, as those of `mesh.fields`, are brought to the part by `values[part.vertex_slots]`
     or `values[part.cell_slots]`.
 
+    A part with `open` features, as cracks, has a copy of a vertex for each side, and a facet:
+    `origin` tells which are one vertex of the mesh, `facet_twins` and `facet_sides` tell the sides.
+    A crack without a vertex between its tips stays closed. Values of such a part are carried by `Part.transfer`.
+
     Thread-safe. What has to be of one revision is read under `with mesh.locked():`.
     """
 
     def __init__(self, mesh: MeshState, polygons: Ids, names: Union[str, Iterable[str]], inside: bool,
-                 without: Ids) -> None:
+                 without: Ids, open: IdsOrNames) -> None:
         #: The whole mesh.
         self.mesh: MeshState = mesh
         self._choice = (_ids("polygons", polygons),
                         [names] if isinstance(names, str) else list(names), inside,
-                        _ids("without", without))
+                        _ids("without", without), *_ids_and_names("open", open))
+        self._former: Optional[_Former] = None
         self._labels: Optional[tuple[int, dict[int, Label]]] = None
         present = {label.name for label in mesh.labels.values() if label.name}
-        for name in self._choice[1]:
+        for name in self._choice[1] + self._choice[5]:
             if name not in present:
                 there = ", ".join(sorted(present)) or "none"
                 raise NotFound(f"no feature has the name {name!r}; names are: {there}")
@@ -68,12 +97,11 @@ class Part:
         anew, with other numbers: O(mesh). Raises `StaleDiff` if the mesh has left the revision that
         the diff leads to. If other threads edit the mesh, hold `Mesh.locked` from the edit on.
         """
-        if diff is None or diff.from_revision != self.revision:
-            if diff is not None and diff.to_revision == self.revision:
-                return
-            self._part = _core.Part(self.mesh._replica, *self._choice)
+        if diff is not None and diff.to_revision == self.revision:
             return
-        if not diff._parts:
+        self._former = None
+        if diff is None or diff.from_revision != self.revision:
+            self._part = _core.Part(self.mesh._replica, *self._choice)
             return
         if diff._mesh is not self.mesh:
             raise InvalidArgument("the diff is of another mesh")
@@ -82,6 +110,98 @@ class Part:
                             "the next edit is applied, or without a diff")
         self._part.update(self.mesh._replica, diff._parts)
 
+    def transfer(self, diff: Diff, u: Array, kind: str = "P1", *, bounded: bool = False) -> Array:
+        """Values of the part, on the part after the edit: `Diff.transfer` for rows of the part.
+
+        The part follows the diff, unless it has done so for another field. Nothing is carried across
+        what is opened: each copy of a vertex has the values of its side. The integral over the part
+        is kept to rounding where the part keeps its shape; linear functions stay linear, on each
+        side. Time: that of the diff, and of a copy of the array.
+
+        Args:
+            diff: that leads from the part's revision to the mesh's.
+            u: a row for each vertex ("P1") or cell of the part before the edit. Rows are finite
+                numbers, or have a further axis of components; those of "DG1" have an axis of corners
+                before that, in the order of `cells`.
+            kind: "P1": values at vertices, of which each copy has its own. "P0": means of cells.
+                "DG1": a linear function in each cell.
+            bounded: keeps all values in the range of the old ones. What comes into the part then has
+                their mean, and else 0.
+
+        Returns:
+            A new array, with a row for each vertex or cell of the part now.
+
+        Raises:
+            StaleDiff: the part or the mesh is not where the diff begins and ends.
+            ValueError, TypeError: wrong kind, length, shape or dtype, or a value in the patch that is
+                not finite.
+        """
+        if kind not in ("P1", "P0", "DG1"):
+            raise ValueError(f"kind: a part carries 'P1', 'P0' and 'DG1', and got {kind!r}")
+        with self.mesh.locked():
+            former = self._follow(diff)
+            return self._transfer_from(former, np.asarray(u), kind, bounded)
+
+    def _follow(self, diff: Diff) -> _Former:
+        if self._former is None or self._former.diff is not diff:
+            if diff.from_revision != self.revision:
+                raise StaleDiff(f"the part is at revision {self.revision}, and the diff leads from "
+                                f"{diff.from_revision}: transfer its values instead of an update, "
+                                "which they need; the part follows the diff then")
+            former = _Former(diff, len(self.vertex_slots), self.cells, self.cell_slots,
+                             self.cell_numbers)
+            self.update(diff)
+            self._former = former
+        return self._former
+
+    def _transfer_from(self, former: _Former, values: Array, kind: str, bounded: bool) -> Array:
+        diff = former.diff
+        rows = former.vertices if kind == "P1" else len(former.cells)
+        if values.ndim == 0 or len(values) != rows:
+            raise ValueError(f"u: the part had {rows} {'vertices' if kind == 'P1' else 'cells'} at "
+                             f"revision {diff.from_revision}, and the values have the shape "
+                             f"{values.shape}")
+        check_values("u", values, kind, self.mesh.dimension)
+        if kind == "P1":
+            return self._transfer_at_vertices(former, values, bounded)
+        by_slot = np.zeros((self.mesh.cell_slots, *values.shape[1:]))
+        if bounded and len(values):
+            by_slot[:] = values.mean(axis=0)  # beyond the part, a value within their range
+        by_slot[former.cell_slots] = values
+        diff._carry(by_slot, kind, bounded=bounded)
+        carried: Array = by_slot[self.cell_slots]
+        return carried
+
+    def _transfer_at_vertices(self, former: _Former, u: Array, bounded: bool) -> Array:
+        """As DG1, and back to the vertices."""
+        patch = former.diff.patch
+        cells, slots = self.cells, self.cell_slots
+        by_slot = np.zeros((self.mesh.cell_slots, cells.shape[1], *u.shape[1:]))
+        numbers = former.cell_numbers[patch.removed_cells]
+        if bounded and len(u):  # beyond the part, a value within their range
+            by_slot[patch.removed_cells[numbers < 0]] = u.mean(axis=0)
+            by_slot[patch.relabelled_cells] = u.mean(axis=0)
+        by_slot[patch.removed_cells[numbers >= 0]] = u[former.cells[numbers[numbers >= 0]]]
+        former.diff._carry(by_slot, "DG1", bounded=bounded)
+        # The vertices that are new, have moved to another row, or have other cells.
+        changed = np.zeros(len(self.vertex_slots), bool)
+        changed[self.changed_vertices] = True
+        changed[former.vertices:] = True
+        changed[cells[self.changed_cells]] = True
+        changed[cells[len(former.cells):]] = True
+        near = self.cells_around(np.flatnonzero(changed))
+        corners = by_slot[slots[near]]
+        was = np.full(len(near), -1)
+        there = slots[near] < len(former.cell_numbers)
+        was[there] = former.cell_numbers[slots[near][there]]
+        corners[was >= 0] = u[former.cells[was[was >= 0]]]
+        result = np.zeros((len(changed), *u.shape[1:]))
+        same = min(len(changed), former.vertices)
+        result[:same] = u[:same]
+        result[changed] = 0
+        set_at_vertices(result, changed, self.points, cells[near], corners, was < 0, bounded)
+        return result
+
     def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, msh_version: float = 4.1,
               from_zero: bool = False, neighbours: bool = False, voronoi: bool = False) -> None:
         """Writes the part to a file, as the command does: a mesh of its own. O(mesh).
@@ -89,8 +209,8 @@ class Part:
         Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
         .face beside it), .svg (a picture). Markers of features are those of edges and faces, names
         are groups. Either the files are complete, or the former ones stay. Raises `InvalidArgument`
-        for another extension, `FailedPrecondition` if the part is not at the mesh's revision,
-        `Unavailable` if a file cannot be written.
+        for another extension, `FailedPrecondition` if the part is not at the mesh's revision or has
+        `open` features (`to_meshio` writes these, too), `Unavailable` if a file cannot be written.
 
         Args:
             path: the file; its extension says which format it has.
@@ -153,6 +273,15 @@ class Part:
         return self._part.cells
 
     @property
+    def origin(self) -> Array:
+        """The number of the first copy of each vertex: int32. Its own, but where the part is opened.
+
+        `u[part.origin]` gives all copies the value of the first; `part.origin !=
+        np.arange(len(part.origin))` are the further ones. `vertex_slots` leads all to the mesh.
+        """
+        return self._part.origin
+
+    @property
     def changed_vertices(self) -> Array:
         """Numbers of the vertices whose rows the last update has written: all if it was made anew."""
         return self._changed(0, len(self.vertex_slots))
@@ -165,6 +294,16 @@ class Part:
         """
         return self._changed(1, len(self.cell_slots))
 
+    def cells_around(self, vertices: Any) -> Array:
+        """Numbers of the cells around any of these vertices, ascending: int32.
+
+        Time: that of these cells. Raises `OutOfRange` for a number that no vertex has,
+        `FailedPrecondition` if the part is not at the mesh's revision.
+        """
+        numbers = np.ascontiguousarray(np.atleast_1d(vertices), dtype=np.int32)
+        around: Array = self._part.cells_around(self.mesh._replica, numbers)
+        return around
+
     @property
     def facets(self) -> Array:
         """Numbers of the corners of each facet: (facets, dimension), int32.
@@ -176,7 +315,10 @@ class Part:
 
     @property
     def facet_cells(self) -> Array:
-        """Numbers of the cells at each facet: (facets, 2), int32. The second is -1 at the border."""
+        """Numbers of the cells at each facet: (facets, 2), int32.
+
+        The second is -1 at the border, and where the part is opened.
+        """
         slots = self._part.facet_cells
         if len(slots) == 0:
             return slots
@@ -184,8 +326,39 @@ class Part:
 
     @property
     def is_border(self) -> Array:
-        """Mask of the facets at the border."""
+        """Mask of the facets at the border, those of what is opened included."""
         return self._part.facet_cells[:, 1] < 0
+
+    @property
+    def facet_twins(self) -> Array:
+        """Of a facet of what is opened, the facet of the other side: int32, else -1.
+
+        `np.column_stack([i := np.flatnonzero(part.facet_sides > 0), part.facet_twins[i]])` are the
+        pairs of a crack.
+        """
+        return self._part.facet_twins
+
+    @property
+    def facet_sides(self) -> Array:
+        """On which side of an opened feature the part's cell at each facet is: int8. O(features).
+
+        1: on the left of a segment, as it goes from its first end to its second one; in an opened
+        polygon of 2D; in 3D on the side from which the polygon's first ring is counter-clockwise.
+        -1: on the other side. 0: the facet is of no opened feature. Raises `FailedPrecondition` if
+        the part is not at the mesh's revision.
+        """
+        owners = self.facet_owners[self.is_border]
+        local = self.mesh._backend.is_local
+        features = {f["id"]: f for f in self.mesh.features(None if local else self.revision)}
+        there = [features[id_] for id_ in np.unique(owners).tolist() if id_ in features]
+        segments = {f["id"]: f["ends"] for f in there if f["kind"] == "segment"}
+        polygons = {f["id"]: f["rings"] for f in there if f["kind"] == "polygon"}
+        ends = {point for pair in segments.values() for point in pair}
+        ends |= {point for rings in polygons.values() for point in rings[0]}
+        sides: Array = self._part.facet_sides(self.mesh._replica, _batch.make(
+            self.mesh.dimension, dict(add_points={id_: features[id_]["at"] for id_ in ends},
+                                      add_segments=segments, add_polygons=polygons)))
+        return sides
 
     @property
     def facet_owners(self) -> Array:
@@ -219,7 +392,10 @@ class Part:
 
     @property
     def vertex_numbers(self) -> Array:
-        """By vertex slot of the mesh, the number in the part: int32, -1 where it is not in it."""
+        """By vertex slot of the mesh, the number in the part: int32, -1 where it is not in it.
+
+        Of several copies it is the first.
+        """
         return self._part.vertex_numbers
 
     @property

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from typing import Any, Protocol
+from typing import Any, Optional, Protocol
 
 from dynmesh._types import Array, Label
 
@@ -13,6 +13,7 @@ class MeshState(Protocol):
 
     _replica: Any
     _options: Any
+    _backend: Any
     _current: Any  #: The diff to the present revision, or None.
 
     @property
@@ -37,6 +38,11 @@ class MeshState(Protocol):
     def live_cells(self) -> Array: ...
 
     @property
+    def region_sets(self) -> dict[int, tuple[int, ...]]: ...
+
+    @property
     def labels(self) -> Mapping[int, Label]: ...
+
+    def features(self, revision: Optional[int] = None) -> list[dict[str, Any]]: ...
 
     def locked(self) -> AbstractContextManager[Any]: ...

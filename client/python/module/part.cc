@@ -36,6 +36,7 @@ class SharedPart {
     Add(vertex_number_log_, changes.is_all, changes.vertex_slots, part_.vertex_numbers().size());
     Add(cell_number_log_, changes.is_all, changes.cell_slots, part_.cell_numbers().size());
     points_.DropOld(vertex_log_), vertex_slots_.DropOld(vertex_log_);
+    origin_.DropOld(vertex_log_), facet_twins_.DropOld(facet_log_);
     cells_.DropOld(cell_log_), cell_slots_.DropOld(cell_log_), regions_.DropOld(cell_log_);
     facets_.DropOld(facet_log_), owners_.DropOld(facet_log_), facet_cells_.DropOld(facet_log_);
     vertex_numbers_.DropOld(vertex_number_log_), cell_numbers_.DropOld(cell_number_log_);
@@ -46,6 +47,20 @@ class SharedPart {
     const MutexLock mesh_lock(mesh.mutex());
     const MutexLock lock(mutex_);
     return part_.ToMesh(mesh.replica());
+  }
+
+  absl::StatusOr<std::vector<std::int8_t>> FacetSides(SharedMesh& mesh,
+                                                      const std::vector<Feature>& features) {
+    const MutexLock mesh_lock(mesh.mutex());
+    const MutexLock lock(mutex_);
+    return part_.FacetSides(mesh.replica(), features);
+  }
+
+  absl::StatusOr<std::vector<std::int32_t>> CellsAround(SharedMesh& mesh,
+                                                        std::span<const std::int32_t> vertices) {
+    const MutexLock mesh_lock(mesh.mutex());
+    const MutexLock lock(mutex_);
+    return part_.CellsAround(mesh.replica(), vertices);
   }
 
   int dimension() const { return dimension_; }
@@ -63,12 +78,16 @@ class SharedPart {
   HeldColumn<Slot> vertex_slots() {
     return Take(vertex_slots_, part_.vertex_slots(), 1, vertex_log_);
   }
+  HeldColumn<Numbers> origin() { return Take(origin_, part_.origin(), 1, vertex_log_); }
   HeldColumn<Numbers> cells() { return Take(cells_, part_.cells(), Width(1), cell_log_); }
   HeldColumn<Slot> cell_slots() { return Take(cell_slots_, part_.cell_slots(), 1, cell_log_); }
   HeldColumn<RegionId> regions() { return Take(regions_, part_.cell_regions(), 1, cell_log_); }
   HeldColumn<Numbers> facets() { return Take(facets_, part_.facets(), Width(0), facet_log_); }
   HeldColumn<FeatureId> owners() { return Take(owners_, part_.facet_owners(), 1, facet_log_); }
   HeldColumn<Slot> facet_cells() { return Take(facet_cells_, part_.facet_cells(), 2, facet_log_); }
+  HeldColumn<Numbers> facet_twins() {
+    return Take(facet_twins_, part_.facet_twins(), 1, facet_log_);
+  }
   HeldColumn<Numbers> vertex_numbers() {
     return Take(vertex_numbers_, part_.vertex_numbers(), 1, vertex_number_log_);
   }
@@ -101,7 +120,7 @@ class SharedPart {
   RowLog vertex_log_, cell_log_, facet_log_, vertex_number_log_, cell_number_log_;
   ColumnCopies<double> points_;
   ColumnCopies<Slot> vertex_slots_, cell_slots_, facet_cells_;
-  ColumnCopies<Numbers> cells_, facets_, vertex_numbers_, cell_numbers_;
+  ColumnCopies<Numbers> origin_, cells_, facets_, facet_twins_, vertex_numbers_, cell_numbers_;
   ColumnCopies<RegionId> regions_;
   ColumnCopies<FeatureId> owners_;
 };
@@ -122,16 +141,16 @@ auto Fixed(HeldColumn<T> (SharedPart::*column)(), std::size_t width = 0) {
 
 void BindPart(py::module_& module) {
   py::class_<SharedPart>(module, "Part")
-      .def(
-          py::init([](SharedMesh& mesh, std::vector<FeatureId> polygons,
-                      std::vector<std::string> names, bool inside, std::vector<FeatureId> without) {
-            py::gil_scoped_release release;
-            return std::make_unique<SharedPart>(
-                mesh,
-                PartChoice{std::move(polygons), std::move(names), inside, std::move(without)});
-          }),
-          py::arg("mesh"), py::arg("polygons"), py::arg("names"), py::arg("inside"),
-          py::arg("without"))
+      .def(py::init([](SharedMesh& mesh, std::vector<FeatureId> polygons,
+                       std::vector<std::string> names, bool inside, std::vector<FeatureId> without,
+                       std::vector<FeatureId> open, std::vector<std::string> open_names) {
+             py::gil_scoped_release release;
+             return std::make_unique<SharedPart>(
+                 mesh, PartChoice{std::move(polygons), std::move(names), inside, std::move(without),
+                                  std::move(open), std::move(open_names)});
+           }),
+           py::arg("mesh"), py::arg("polygons"), py::arg("names"), py::arg("inside"),
+           py::arg("without"), py::arg("open"), py::arg("open_names"))
       .def(
           "update",
           [](SharedPart& part, SharedMesh& mesh, const std::vector<std::shared_ptr<Diff>>& diffs) {
@@ -157,6 +176,31 @@ void BindPart(py::module_& module) {
             Write(Value(std::move(own)), options, path, choices, /*is_part=*/true);
           },
           py::arg("mesh"), py::arg("options"), py::arg("path"), py::arg("choices"))
+      .def(
+          "cells_around",
+          [](SharedPart& part, SharedMesh& mesh, const InArray<std::int32_t>& vertices) {
+            absl::StatusOr<std::vector<std::int32_t>> around = absl::UnknownError("");
+            {
+              const auto numbers = SpanOf(vertices);
+              py::gil_scoped_release release;
+              around = part.CellsAround(mesh, numbers);
+            }
+            return Take(Value(std::move(around)));
+          },
+          py::arg("mesh"), py::arg("vertices"))
+      .def(
+          "facet_sides",
+          [](SharedPart& part, SharedMesh& mesh, const Batch& batch) {
+            absl::StatusOr<std::vector<std::int8_t>> sides = absl::UnknownError("");
+            {
+              py::gil_scoped_release release;
+              std::vector<Feature> features;
+              for (const dynmesh::Edit& edit : batch.edits) features.push_back(edit.feature);
+              sides = part.FacetSides(mesh, features);
+            }
+            return Take(Value(std::move(sides)));
+          },
+          py::arg("mesh"), py::arg("features"))
       .def_property_readonly("revision", &SharedPart::revision)
       .def_property_readonly("changes",
                              [](SharedPart& part) {
@@ -170,6 +214,8 @@ void BindPart(py::module_& module) {
       .def_property_readonly("facets", Column(&SharedPart::facets, 0))
       .def_property_readonly("facet_cells", Fixed(&SharedPart::facet_cells, 2))
       .def_property_readonly("facet_owners", Fixed(&SharedPart::owners))
+      .def_property_readonly("facet_twins", Fixed(&SharedPart::facet_twins))
+      .def_property_readonly("origin", Fixed(&SharedPart::origin))
       .def_property_readonly("cell_regions", Fixed(&SharedPart::regions))
       .def_property_readonly("vertex_slots", Fixed(&SharedPart::vertex_slots))
       .def_property_readonly("cell_slots", Fixed(&SharedPart::cell_slots))

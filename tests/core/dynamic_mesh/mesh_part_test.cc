@@ -16,6 +16,7 @@
 #include "core/mesh_data/region_filter.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/part.h"
+#include "tests/core/dynamic_mesh/part_shadows.h"
 #include "tests/support/seed.h"
 
 namespace dynmesh::mesh_part_test {
@@ -125,55 +126,6 @@ Content Expected(const SlotMesh& mesh, const mesh_data::RegionChoice& choice) {
   }
   return content;
 }
-
-// A copy of a column that is kept up to date by the rows that an update names.
-template <class T>
-class Shadow {
- public:
-  void Follow(const SlotColumn<T>& column, std::size_t width, bool is_all,
-              const std::vector<std::int32_t>& rows) {
-    const auto copy = [&](std::size_t row) {
-      std::copy_n(column.data() + row * width, width,
-                  values_.begin() + static_cast<std::ptrdiff_t>(row * width));
-    };
-    const std::size_t before = std::min(values_.size(), column.size());
-    values_.resize(column.size());
-    std::copy(column.data() + before, column.data() + column.size(),
-              values_.begin() + static_cast<std::ptrdiff_t>(before));
-    if (is_all) values_.assign(column.data(), column.data() + column.size());
-    for (const std::int32_t row : rows) {
-      if (static_cast<std::size_t>(row) * width < column.size()) {
-        copy(static_cast<std::size_t>(row));
-      }
-    }
-    EXPECT_TRUE(std::ranges::equal(values_, column.span()));
-  }
-
- private:
-  std::vector<T> values_;
-};
-
-struct Shadows {
-  Shadow<double> points;
-  Shadow<Slot> vertex_slots, cell_slots, facet_cells, cells, facets, vertex_numbers, cell_numbers;
-  Shadow<RegionId> regions;
-  Shadow<FeatureId> owners;
-
-  void Follow(const MeshPart& part) {
-    const auto d = static_cast<std::size_t>(part.dimension());
-    const MeshPart::Changes& c = part.changes();
-    points.Follow(part.points(), d, c.is_all, c.vertices);
-    vertex_slots.Follow(part.vertex_slots(), 1, c.is_all, c.vertices);
-    cells.Follow(part.cells(), d + 1, c.is_all, c.cells);
-    cell_slots.Follow(part.cell_slots(), 1, c.is_all, c.cells);
-    regions.Follow(part.cell_regions(), 1, c.is_all, c.cells);
-    facets.Follow(part.facets(), d, c.is_all, c.facets);
-    owners.Follow(part.facet_owners(), 1, c.is_all, c.facets);
-    facet_cells.Follow(part.facet_cells(), 2, c.is_all, c.facets);
-    vertex_numbers.Follow(part.vertex_numbers(), 1, c.is_all, c.vertex_slots);
-    cell_numbers.Follow(part.cell_numbers(), 1, c.is_all, c.cell_slots);
-  }
-};
 
 // Squares, in 3D boxes, in the cells of a grid, some with a smaller one inside; points and segments
 // at random. Ids: 1000 times the grid's cell and the level.
@@ -292,7 +244,7 @@ TEST_P(MeshPartTest, AfterEachEditIsThatOfTheMesh) {
                    some = {.polygons = {1000, 2000, 3000, 5000}, .without = {2100}},
                    named = {.names = {"cavity"}};
   std::vector<MeshPart> parts = {{mesh, all}, {mesh, some}, {mesh, named}};
-  std::vector<Shadows> shadows(parts.size());
+  std::vector<test::PartShadows> shadows(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) shadows[p].Follow(parts[p]);
   std::size_t most = 0;
   const int revisions = dimension == 2 ? 150 : 50;

@@ -1,0 +1,152 @@
+"""Parts of meshes in the shapes that packages of finite elements take."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dynmesh._types import Array, Label
+from dynmesh.errors import FailedPrecondition
+
+if TYPE_CHECKING:
+    from dynmesh._part import Part
+
+
+@dataclass(frozen=True)
+class SkfemArrays:
+    """A part for scikit-fem."""
+
+    p: Array  #: Coordinates: (dimension, vertices), in the order of `Part.points`.
+    t: Array  #: Corners: (dimension + 1, cells), in the order of `Part.cells`.
+    #: By name of features: numbers of their facets. Those are scikit-fem's own, of all facets in
+    #: the order of their ascending vertices.
+    boundaries: dict[str, Array]
+    subdomains: dict[str, Array]  #: By name of polygons: numbers of the cells in their own region.
+
+
+@dataclass(frozen=True)
+class DolfinxMesh:
+    """A part for DOLFINx, which has its own numbers."""
+
+    mesh: Any  #: A `dolfinx.mesh.Mesh`, of this process alone.
+    cell_tags: Any  #: Of all cells: the marker of the polygon whose own region it is; else 0.
+    facet_tags: Any  #: Of the part's facets: the marker of their feature; 0 without one.
+    vertices: Array  #: For each node of the mesh's geometry the number of the part's vertex.
+    cells: Array  #: For each cell of the mesh the number of the part's.
+
+
+def to_skfem(part: Part) -> SkfemArrays:
+    """The part as arrays for scikit-fem, which is not needed for that. O(part).
+
+    A mesh of it is `skfem.MeshTri(arrays.p, arrays.t)`, in 3D `MeshTet`, then
+    `.with_boundaries(arrays.boundaries).with_subdomains(arrays.subdomains)`. A boundary is all facets
+    of the features with that name, within the part, too. Of a part that is opened, it is both sides:
+    `part.facet_sides` tells them apart. Values at vertices are in the order of the part's.
+
+    Own regions are as in files: of a plate with an inclusion the plate's is what is beside it.
+    """
+    d = part.mesh.dimension
+    cells = part.cells
+    faces = np.sort(np.concatenate([np.delete(cells, k, axis=1) for k in range(d + 1)]), axis=1)
+    numbers = _rows_in(np.unique(faces, axis=0), np.sort(part.facets, axis=1))
+    names = part.facet_names.astype(str)
+    regions = _labels_of_regions(part)
+    inside = np.array([regions[int(id_)].name for id_ in part.cell_regions], dtype=str)
+    return SkfemArrays(
+        np.ascontiguousarray(part.points.T), np.ascontiguousarray(cells.T).astype(np.int64),
+        {str(name): np.unique(numbers[names == name]) for name in np.unique(names) if name},
+        {str(name): np.flatnonzero(inside == name) for name in np.unique(inside) if name})
+
+
+def to_dolfinx(part: Part) -> DolfinxMesh:
+    """The part as a mesh of DOLFINx, with tags of cells and facets. O(part).
+
+    For version 0.5, Debian's `python3-dolfinx`. With `found = dynmesh.to_dolfinx(part)` integrals are
+    over `ufl.Measure("dx", found.mesh, subdomain_data=found.cell_tags)` and "ds" or "dS" with
+    `found.facet_tags`. Values at vertices are `u[found.vertices]` in the order of its geometry, and
+    brought back by `u[found.vertices] = values`. The faces of what is opened are at the border, "ds",
+    both with the feature's marker. Raises `ModuleNotFoundError` where DOLFINx is not installed, and
+    `FailedPrecondition` for a part without cells.
+    """
+    import dolfinx
+    import ufl
+    from mpi4py import MPI
+
+    d = part.mesh.dimension
+    if not len(part.cells):
+        raise FailedPrecondition("the part has no cells, and a mesh of DOLFINx needs some")
+    shape = "triangle" if d == 2 else "tetrahedron"
+    mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, part.cells.astype(np.int64), part.points,
+                                    ufl.Mesh(ufl.VectorElement("Lagrange", shape, 1)))
+    mesh.topology.create_connectivity(d - 1, 0)
+    mesh.topology.create_connectivity(d - 1, d)
+    # It renumbers cells and vertices for locality; these arrays have the numbers of the part.
+    nodes = np.array(mesh.geometry.input_global_indices)
+    cells = np.array(mesh.topology.original_cell_index)
+    regions = _labels_of_regions(part)
+    markers = np.array([regions[int(id_)].marker for id_ in part.cell_regions[cells]], np.int32)
+    cell_tags = dolfinx.mesh.meshtags(mesh, d, np.arange(len(cells), dtype=np.int32), markers)
+    # Vertices of the topology have numbers of their own again.
+    vertices = np.zeros(len(nodes), np.int64)
+    vertices[mesh.topology.connectivity(d, 0).array] = nodes[mesh.geometry.dofmap.array]
+    facets = np.sort(vertices[mesh.topology.connectivity(d - 1, 0).array].reshape(-1, d), axis=1)
+    # A facet of the part is there once, but of a crack without a vertex between its tips.
+    mine, first = np.unique(np.sort(part.facets, axis=1), axis=0, return_index=True)
+    order = np.lexsort(facets.T[::-1])
+    marked = order[_rows_in(facets[order], mine)]
+    rank = np.argsort(marked)
+    facet_tags = dolfinx.mesh.meshtags(mesh, d - 1, marked[rank].astype(np.int32),
+                                       part.facet_markers[first[rank]].astype(np.int32))
+    return DolfinxMesh(mesh, cell_tags, facet_tags, nodes, cells)
+
+
+def _rows_in(table: Array, rows: Array) -> Array:
+    """Where each of the rows is in a table of all of them in ascending order, none twice."""
+    if not len(rows):
+        return np.empty(0, np.int64)
+    _, where = np.unique(np.concatenate([table, rows]), axis=0, return_inverse=True)
+    found: Array = where.reshape(-1)[len(table):]
+    return found
+
+
+def _labels_of_regions(part: Part) -> dict[int, Label]:
+    """The label of each region of the part, as in files: that of the polygon whose own it is.
+
+    A polygon's own region is what all regions in it have in common. Polygons of 3D are faces: the
+    region has their name only if all around it have the same.
+    """
+    labels = part.mesh.labels
+    polygons = {region: _polygons_of(part, region)
+                for region in np.unique(part.cell_regions).tolist()}
+    owners = set(np.unique(part.facet_owners).tolist())
+    found = dict.fromkeys(polygons, Label())
+    for region, of in polygons.items():
+        own = [polygon for polygon in of if of == frozenset.intersection(
+            *(others for others in polygons.values() if polygon in others))]
+        if len(own) > 1:
+            own = [polygon for polygon in own if polygon in owners]
+        if len(own) != 1:
+            continue
+        label = labels.get(own[0], Label())
+        if part.mesh.dimension == 3:
+            names = _names_around(part, own[0])
+            label = Label(label.marker, names.pop() if len(names) == 1 else "")
+        found[region] = label
+    return found
+
+
+def _polygons_of(part: Part, region: int) -> frozenset[int]:
+    return frozenset(part.mesh.region_sets.get(region, (region,) if region else ()))
+
+
+def _names_around(part: Part, surface: int) -> set[str]:
+    """Of the facets with the surface's inside on one side only."""
+    inside = np.array([region for region in np.unique(part.cell_regions).tolist()
+                       if surface in _polygons_of(part, region)], dtype=np.uint64)
+    is_in = np.append(np.isin(part.cell_regions, inside), False)  # -1: beyond the border
+    here, there = part.facet_cells.T
+    twins = part.facet_twins
+    there = np.where(twins >= 0, here[twins], there)
+    is_around = (is_in[here] != is_in[there]) & (part.facet_owners != 0)
+    return set(part.facet_names[is_around].tolist())
