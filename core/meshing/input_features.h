@@ -1,5 +1,5 @@
 // The input's points and segments by position. The query: which feature is nearest to the middle of
-// a subsegment, of those too near to the subsegment (segments.h, Presplit).
+// a subsegment, of those too near to the subsegment (presplit.h).
 //
 // A quadtree or octree of cells; a cell lists the features that meet it. A cell is cut if it lists
 // more than kCapacity features, unless all of these have a common vertex: cutting would not

@@ -6,6 +6,8 @@
 // subsegments are no longer than 8 times the local feature size. Features far away have no
 // influence on a segment, so an edit changes only the subsegments near it. No ball of a subsegment
 // holds a vertex of a disjoint feature, so splits of one segment do not cause splits of others.
+// The eighth is in four places: 64 in IsTooNear; 5/8, the farthest that such a feature is from the
+// middle, and 0.125 in NearestTooNear; 0.625 in Run, for what is subscribed to.
 #ifndef DYNMESH_CORE_MESHING_PRESPLIT_H_
 #define DYNMESH_CORE_MESHING_PRESPLIT_H_
 

@@ -2,7 +2,7 @@
 // and the functions that read and write it. All that chooses by an extension asks this table:
 // dynmesh/files.h, the command's reading, writing, help and errors. A new format is a row in
 // formats.cc, a function that the row names, and a line in the row's document; a test compares the
-// two.
+// two. CONTRIBUTING.md has the other places ("A file format").
 //
 // Choosing goes through the functions of geometry.h, mesh_input.h and mesh_output.h. Constant data;
 // functions are pure and thread-safe.

@@ -1,6 +1,7 @@
 // The table of formats, its documents, and what is said of files that it does not have.
 #include "core/io/formats/formats.h"
 
+#include <algorithm>
 #include <cctype>
 #include <fstream>
 #include <functional>
@@ -144,9 +145,16 @@ TEST(Formats, EachRowNamesAPlaceThatHasIt) {
 
 // Of comments that name extensions for readers of the API.
 TEST(Formats, TheApisNameEachRow) {
-  const auto named = [](const char* file) {
+  // In the file, or in the list behind the word that it begins with, to the end of its paragraph.
+  const auto named = [](const char* file, const std::string& list = "") {
     Extensions found;
-    const std::string text = ReadDocument(file);
+    std::string text = ReadDocument(file);
+    if (!list.empty()) {
+      const std::size_t begin = text.find(list);
+      EXPECT_NE(begin, std::string::npos) << file;
+      text = text.substr(std::min(begin, text.size()));
+      text = text.substr(0, text.find("\n\n"));
+    }
     const std::regex extension("\\.[a-z][a-z0-9]*");
     for (std::sregex_iterator e(text.begin(), text.end(), extension), end; e != end; ++e) {
       found.insert(e->str());
@@ -155,10 +163,16 @@ TEST(Formats, TheApisNameEachRow) {
   };
   const Extensions header = named("core/include/dynmesh/files.h");
   const Extensions python = named("client/python/dynmesh/_files.py");
+  const Extensions mesh = named("client/python/dynmesh/_mesh.py", "Formats: ");
+  const Extensions part = named("client/python/dynmesh/_part.py", "Formats: ");
   for (const Format& f : Formats()) {
     const std::string extension(f.extension);
     EXPECT_TRUE(header.contains(extension)) << "files.h: " << extension;
     EXPECT_TRUE(python.contains(extension) || !f.read_geometry) << "_files.py: " << extension;
+    if (!f.IsMainFile()) continue;
+    EXPECT_TRUE(mesh.contains(extension) || !(f.write_mesh || f.write_leaves))
+        << "_mesh.py: " << extension;
+    EXPECT_TRUE(part.contains(extension) || !f.write_mesh) << "_part.py: " << extension;
   }
 }
 
