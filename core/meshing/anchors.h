@@ -7,8 +7,9 @@
 // lattice and, from its border outwards, lattices that are one, two, three ... octaves wider, each
 // as far as its Reach. Where several regions reach, the finest lattice counts. Its point is an
 // anchor if
-//   no point is nearer than kClear spacings, in 3D no segment and no side of the domain, either,
-//   nothing else is nearer than kClearOfOthers spacings: in 2D segments and the sides of the
+//   no point is nearer than kClear spacings, in 3D no edge of a facet and no side of the domain,
+//   either,
+//   nothing else is nearer than kClearOfOthers spacings: other segments, in 2D the sides of the
 //   domain, in 3D facets, and finer lattices that are not nested.
 // This is a function of the regions and features near the point. So an edit decides again only the
 // points that it may affect. Anchors stand outside the time of the trace, as the input does: an
@@ -41,10 +42,9 @@ inline constexpr double kClear = 0.6;
 // With 0.2 angles are smaller, and there are more vertices. Facets have anchors of their own
 // (facet_anchors.h).
 inline constexpr double kClearOfOthers = 0.3;
-// From segments and the domain's sides. In 3D with 0.3 spacings from edges of facets, cubes kept
-// slivers.
+// From the domain's sides.
 template <int D>
-inline constexpr double kClearOfWalls = D == 2 ? kClearOfOthers : kClear;
+inline constexpr double kClearOfSides = D == 2 ? kClearOfOthers : kClear;
 
 template <int D, template <class> class E>
 class Anchors {
@@ -89,6 +89,9 @@ class Anchors {
                               std::span<const double> reaches, const Point& centre, double radius);
   // The level of the finest lattice that reaches x; more than the widest level if none does.
   int LevelAt(const Point& x) const;
+  // How far anchors are from the feature, in spacings. With 0.3 from edges of facets cubes kept
+  // slivers.
+  double ClearOf(const InputFeature<D>& f) const;
   // `level`: the widest level that contains the point.
   bool IsAnchor(int level, const Point& x) const;
   // May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
@@ -203,13 +206,22 @@ int Anchors<D, E>::LevelAt(const Point& x) const {
 }
 
 template <int D, template <class> class E>
+double Anchors<D, E>::ClearOf(const InputFeature<D>& f) const {
+  if (f.a == f.b) return kClear;
+  if constexpr (D == 3) {
+    if (complex_.facets.HasEdge(f.a, f.b)) return kClear;
+  }
+  return kClearOfOthers;
+}
+
+template <int D, template <class> class E>
 bool Anchors<D, E>::IsAnchor(int level, const Point& x) const {
   const int finest = LevelAt(x);
   if (finest > level || !Lattice::AreNested(finest, level) || !IsInUse(finest)) return false;
-  const double spacing = Lattice::Spacing(finest), of_points = kClear * spacing,
-               of_walls = kClearOfWalls<D> * spacing;
+  const double spacing = Lattice::Spacing(finest), most = kClear * spacing,
+               of_sides = kClearOfSides<D> * spacing;
   for (int k = 0; k < D; ++k) {
-    if (!(complex_.rules.lo()[k] + of_walls <= x[k] && x[k] <= complex_.rules.hi()[k] - of_walls)) {
+    if (!(complex_.rules.lo()[k] + of_sides <= x[k] && x[k] <= complex_.rules.hi()[k] - of_sides)) {
       return false;
     }
   }
@@ -218,12 +230,12 @@ bool Anchors<D, E>::IsAnchor(int level, const Point& x) const {
   };
   if (complex_.sizing.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
   bool is_clear = true;
-  double reach2 = of_points * of_points;
+  double reach2 = most * most;
   complex_.features.VisitNear(
       x, reach2, {complex_.features.kNone, complex_.features.kNone},
       [](const Point&, double) { return true; },
       [&](const InputFeature<D>& f) {
-        const double clear = f.a == f.b ? of_points : of_walls;
+        const double clear = ClearOf(f) * spacing;
         if (!(geometry::SquaredDistance(x, f.p, f.q) < clear * clear)) return;
         is_clear = false;
         reach2 = 0;
@@ -321,7 +333,8 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     const auto meets = [&](const Point& centre, double radius) {
       return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
     };
-    const double clear = f.a == f.b ? kClear : kClearOfWalls<D>;
+    // In 3D it may have been an edge of a facet, or be one now.
+    const double clear = D == 3 ? kClear : ClearOf(f);
     // Within kClear spacings of a point, lattices are at most an octave finer than at the point.
     const auto first =
         f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);

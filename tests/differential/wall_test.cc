@@ -141,6 +141,7 @@ void CheckTargets(int dimension, int targets, double length_in_targets, std::siz
 }
 
 TEST(Walls, OnePointChangesFewVertices) { CheckTargets(2, 24, 150, 40); }
+TEST(Walls, OnePointChangesFewVerticesIn3D) { CheckTargets(3, 12, 25, 100); }
 
 TEST(Walls, OnePointChangesFewVerticesBesideAPlate) {
   for (int k = 0; k < 12; ++k) {
@@ -197,6 +198,30 @@ void CheckRandomWalls(int count, double length_in_targets, std::size_t most) {
 }
 
 TEST(Walls, RandomOnes) { CheckRandomWalls<2>(IsNightly() ? 2000 : 200, 100, 60); }
+TEST(Walls, RandomOnesIn3D) { CheckRandomWalls<3>(IsNightly() ? 300 : 30, 20, 100); }
+
+// Anchors keep another distance from edges of facets than from other segments.
+TEST(Walls, ASegmentBecomesTheEdgeOfAPlate) {
+  const double h = 0.05;
+  WallScene scene{DefaultsIn<3>(), {}, {}};
+  Random random(3);
+  AddPlate(0.4, h, 0.1, 0, random, scene);
+  const auto plate = std::ranges::find(scene.features, FeatureKind::kPolygon, &Feature::kind);
+  ASSERT_NE(plate, scene.features.end());
+  const Feature polygon = *plate;
+  scene.features.erase(plate);
+  scene.features.push_back(Feature::Segment(7, 1, 2));
+  const auto mesh = NewMesh(scene.options);
+  ASSERT_TRUE(mesh->Apply(AddAll(scene.features)).ok());
+  const MeshHash before = mesh->hash();
+  for (const Edit& edit : {Edit::Add(polygon), Edit::Remove(7),
+                           Edit::Add(Feature::Segment(7, 1, 2)), Edit::Remove(polygon.id)}) {
+    const auto diff = mesh->Apply({edit});
+    ASSERT_TRUE(diff.ok()) << diff.status();
+    ASSERT_EQ(CompareWithScratch(*mesh, true).what, "");
+  }
+  EXPECT_EQ(mesh->hash(), before);
+}
 
 // In one bucket, splits and vertices must not follow from each other round after round.
 TEST(Walls, BucketsHaveFewRounds) {
