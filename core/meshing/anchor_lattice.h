@@ -107,9 +107,11 @@ class AnchorLattice {
                                            1.8340080864093424};
   static constexpr double kMostSpacing = D == 2 ? 1.22 : 1.26;
   // kOwnReach: what a ball that meets the region and is not too large extends beyond it, or a
-  // little less. kWiderReach: where one octave follows another, all simplices have R / e <= sqrt 2
-  // in 2D, 1.4 in 3D. With 1.25 there are 4 % fewer vertices, but an edit changes twice as many.
-  static constexpr double kOwnReach = 1.0, kWiderReach = 1.5;
+  // little less. In 2D a row of balls behind a row at 1.0 may miss the region by a hair: then a
+  // point that makes one of them meet the region makes the next one do so, all along the border.
+  // kWiderReach: where one octave follows another, all simplices have R / e <= sqrt 2 in 2D, 1.4 in
+  // 3D. With 1.25 there are 4 % fewer vertices, but an edit changes twice as many.
+  static constexpr double kOwnReach = D == 2 ? 1.05 : 1.0, kWiderReach = 1.5;
   static constexpr int kWidest = 1000 * kSteps;  // the origin belongs to all levels
 
   // The widest level with a spacing of at most `spacing`.

@@ -7,8 +7,10 @@
 // lattice and, from its border outwards, lattices that are one, two, three ... octaves wider, each
 // as far as its Reach. Where several regions reach, the finest lattice counts. Its point is an
 // anchor if
-//   neither a feature nor the domain's border is nearer than kClear spacings,
-//   neither a facet nor a finer lattice that is not nested is nearer than kClearOfOthers spacings.
+//   no point is nearer than kClear spacings, in 3D no edge of a facet and no side of the domain,
+//   either,
+//   nothing else is nearer than kClearOfOthers spacings: other segments, in 2D the sides of the
+//   domain, in 3D facets, and finer lattices that are not nested.
 // This is a function of the regions and features near the point. So an edit decides again only the
 // points that it may affect. Anchors stand outside the time of the trace, as the input does: an
 // anchor is born with the input, lies on no feature and has no owner.
@@ -31,13 +33,18 @@
 
 namespace dynmesh::meshing {
 
-// The distance of anchors from features, in spacings of their lattice: the width of the seam
-// between them.
+// The distance of anchors from points, in spacings of their lattice. In 2D 0.3 takes 5 % more
+// vertices where points are as dense as the target.
 inline constexpr double kClear = 0.6;
-// The same from facets, which have anchors of their own (facet_anchors.h), and from other lattices.
-// With 0.6 the seam had room for a sheet of vertices, and an edit propagated all over it: beside
-// facets 340 of 6,000 to 25,000 vertices changed, now 12.
+// The same from what is long or wide, and from other lattices: the width of the seam between them.
+// With 0.6 the seam had room for a row (3D: a sheet) of vertices that depend on each other, and an
+// edit propagated along all of it: beside a straight wall thousands of vertices changed, now 31.
+// With 0.2 angles are smaller, and there are more vertices. Facets have anchors of their own
+// (facet_anchors.h).
 inline constexpr double kClearOfOthers = 0.3;
+// From the domain's sides.
+template <int D>
+inline constexpr double kClearOfSides = D == 2 ? kClearOfOthers : kClear;
 
 template <int D, template <class> class E>
 class Anchors {
@@ -82,6 +89,9 @@ class Anchors {
                               std::span<const double> reaches, const Point& centre, double radius);
   // The level of the finest lattice that reaches x; more than the widest level if none does.
   int LevelAt(const Point& x) const;
+  // How far anchors are from the feature, in spacings. With 0.3 from edges of facets cubes kept
+  // slivers.
+  double ClearOf(const InputFeature<D>& f) const;
   // `level`: the widest level that contains the point.
   bool IsAnchor(int level, const Point& x) const;
   // May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
@@ -196,25 +206,37 @@ int Anchors<D, E>::LevelAt(const Point& x) const {
 }
 
 template <int D, template <class> class E>
+double Anchors<D, E>::ClearOf(const InputFeature<D>& f) const {
+  if (f.a == f.b) return kClear;
+  if constexpr (D == 3) {
+    if (complex_.facets.HasEdge(f.a, f.b)) return kClear;
+  }
+  return kClearOfOthers;
+}
+
+template <int D, template <class> class E>
 bool Anchors<D, E>::IsAnchor(int level, const Point& x) const {
   const int finest = LevelAt(x);
   if (finest > level || !Lattice::AreNested(finest, level) || !IsInUse(finest)) return false;
-  const double spacing = Lattice::Spacing(finest), clear = kClear * spacing, clear2 = clear * clear;
+  const double spacing = Lattice::Spacing(finest), most = kClear * spacing,
+               of_sides = kClearOfSides<D> * spacing;
   for (int k = 0; k < D; ++k) {
-    if (!(complex_.rules.lo()[k] + clear <= x[k] && x[k] <= complex_.rules.hi()[k] - clear))
+    if (!(complex_.rules.lo()[k] + of_sides <= x[k] && x[k] <= complex_.rules.hi()[k] - of_sides)) {
       return false;
+    }
   }
   const auto is_other = [&](const SizingRegion<D>& region) {
     return !Lattice::AreNested(Lattice::LevelOf(region.target), finest);
   };
   if (complex_.sizing.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
   bool is_clear = true;
-  double reach2 = clear2;
+  double reach2 = most * most;
   complex_.features.VisitNear(
       x, reach2, {complex_.features.kNone, complex_.features.kNone},
       [](const Point&, double) { return true; },
       [&](const InputFeature<D>& f) {
-        if (!(geometry::SquaredDistance(x, f.p, f.q) < clear2)) return;
+        const double clear = ClearOf(f) * spacing;
+        if (!(geometry::SquaredDistance(x, f.p, f.q) < clear * clear)) return;
         is_clear = false;
         reach2 = 0;
       });
@@ -299,8 +321,9 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
   }
   // If there were no sizes before, every point has been decided above.
   if (!std::exchange(had_sizes_, !complex_.sizing.empty())) in_use.clear();
-  const auto decide_near = [&](int level, const Extent<D>& box, auto meets) {
-    const double clear = kClear * Lattice::Spacing(level);
+  // `spacings`: how near a feature or a facet may be to matter.
+  const auto decide_near = [&](int level, const Extent<D>& box, double spacings, auto meets) {
+    const double clear = spacings * Lattice::Spacing(level);
     return decide_in(level, box, clear, [&](const Point& centre, double radius) {
       return meets(centre, clear + radius) && MayHaveLevel(level, centre, radius);
     });
@@ -310,11 +333,13 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     const auto meets = [&](const Point& centre, double radius) {
       return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
     };
+    // In 3D it may have been an edge of a facet, or be one now.
+    const double clear = D == 3 ? kClear : ClearOf(f);
     // Within kClear spacings of a point, lattices are at most an octave finer than at the point.
     const auto first =
         f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);
     for (auto level = first; level != in_use.end(); ++level) {
-      if (!decide_near(*level, BoxOf(f), meets)) return false;
+      if (!decide_near(*level, BoxOf(f), clear, meets)) return false;
     }
   }
   if constexpr (D == 3) {
@@ -323,7 +348,7 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
         return facet.where().MayMeet(centre, radius);
       };
       for (const int level : in_use) {
-        if (!decide_near(level, facet.where().box, meets)) return false;
+        if (!decide_near(level, facet.where().box, kClear, meets)) return false;
       }
     }
   }

@@ -182,6 +182,12 @@ class FacetField {
     const auto it = at_corner_.find(v);
     return it == at_corner_.end() ? std::span<const FacetIndex>() : it->second;
   }
+  // True if that is an edge of a facet. O(facets at corner a).
+  bool HasEdge(VertexIndex a, VertexIndex b) const {
+    const auto facets = AtCorner(a);
+    return std::any_of(facets.begin(), facets.end(),
+                       [&](FacetIndex i) { return facets_[i].HasEdge(a, b); });
+  }
   // The facet of that feature; kNil if there is none.
   FacetIndex OfFeature(FeatureSlot feature) const {
     const auto it = of_feature_.find(feature);

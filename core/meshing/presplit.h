@@ -33,10 +33,20 @@ class PresplitRules {
   using Point = geometry::Point<D>;
   using Subsegment = meshing::Subsegment<D>;
 
+  // In 2D, with 1.0 changes are as small, but walls have 1 % more vertices, and one that moves
+  // takes 5 % more operations. With 1.3 the worst of 700 random walls changes 61 vertices, with 1.1
+  // it changes 32. In 3D the narrow seam (anchors.h) is enough.
+  static constexpr double kMostInTargets = D == 2 ? 1.1 : 1.3;
+
   explicit PresplitRules(const Complex<D, E>& complex) : complex_(complex) {}
 
-  // True if s is too long for a sizing region that its ball meets. The balls of shorter subsegments
-  // hold no anchor (anchors.h).
+  // True if s is too long for a sizing region that its ball meets: longer than kMostInTargets.
+  //
+  // A triangle that is too large for a target h encroaches on no subsegment of length <= h. Its
+  // empty ball has a radius of more than h / sqrt 2, and each point in the diametral ball is at
+  // most that far from an end of the subsegment. Slightly longer ones are rarely encroached upon.
+  // So sizes split hardly any subsegment after the beginning. Such splits passed on along a wall,
+  // one after the other.
   bool IsTooLong(const Subsegment& s) const;
   bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
   // d2: the feature's squared distance from the middle of s.
@@ -75,10 +85,10 @@ class PresplitWork {
 
 template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const {
-  constexpr double kMost = 1.3;  // in targets
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   const double length = std::sqrt(geometry::SquaredDistance(a, b));
-  return length > kMost * region.target && region.Meets(geometry::Midpoint(a, b), 0.5 * length);
+  return length > kMostInTargets * region.target &&
+         region.Meets(geometry::Midpoint(a, b), 0.5 * length);
 }
 
 template <int D, template <class> class E>

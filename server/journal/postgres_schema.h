@@ -19,7 +19,7 @@
 namespace dynmesh::server::postgres {
 
 // The version of the schema; also counts changes of meshes' bits, as SQLite's does.
-inline constexpr int kPostgresSchema = 5;
+inline constexpr int kPostgresSchema = 6;
 
 // Those of this program; present() is kPostgresSchema.
 const Schemas& SchemasOfDatabases();

@@ -51,6 +51,8 @@ constexpr std::array<const char*, kJournalSchema - kFirstSchema> kSteps = {
     // Bits 8.
     "",
     // Bits 9.
+    "",
+    // Bits 10.
     ""};
 static_assert(std::ranges::count(kSteps, nullptr) == 0, "each schema has a step");
 constexpr Schemas kSchemas = {kFirstSchema, kTables, kSteps, "journal"};

@@ -23,7 +23,7 @@
 namespace dynmesh::server {
 
 // The schema's number in the file. It also counts changes of meshes' bits.
-inline constexpr int kJournalSchema = 13;
+inline constexpr int kJournalSchema = 14;
 
 // Those of this program; present() is kJournalSchema.
 const Schemas& SchemasOfJournals();

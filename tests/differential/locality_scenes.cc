@@ -265,6 +265,37 @@ Scene BorderOfABox(int n) {
   return scene;
 }
 
+// Points beside a wall, parallel to an axis, along which there is a target of 1 / n.
+Scene WallWithATarget(int n) {
+  Scene scene;
+  const double h = 1.0 / n, y = 0.37;
+  AddSegment(0, 0.02, y, 0.98, y, scene);
+  scene.features.push_back(Feature::SizeCapsule(kFar + 1, {{0.02, y}, {0.98, y}}, 0, h));
+  Random random(7);
+  for (int k = 0; k < 12; ++k) {
+    const double x = 0.1 + 0.8 * random.Unit();
+    InAndOut(Feature::Point(kFar, x, y + (k % 2 == 0 ? h : -h) * (0.4 + 1.2 * random.Unit())),
+             scene);
+  }
+  return scene;
+}
+// The same in 3D.
+Scene SegmentWithATarget(int n) {
+  Scene scene;
+  scene.options.dimension = 3;
+  scene.options.quality = kDefaultQuality3D;
+  const double h = 1.0 / n, y = 0.37, z = 0.61;
+  scene.features = {Feature::Point(1, 0.02, y, z), Feature::Point(2, 0.98, y, z),
+                    Feature::Segment(3, 1, 2),
+                    Feature::SizeCapsule(4, {{0.02, y, z}, {0.98, y, z}}, 0, h)};
+  Random random(7);
+  for (int k = 0; k < 8; ++k) {
+    const double x = 0.1 + 0.8 * random.Unit();
+    InAndOut(Feature::Point(kFar, x, y + (0.4 + 1.2 * random.Unit()) * h, z), scene);
+  }
+  return scene;
+}
+
 // A point among discs of all targets between 1 / n and 4 / n, as a field of sizes has them.
 Scene DiscsOfManyTargets(int n) {
   Scene scene;
@@ -351,6 +382,8 @@ const std::vector<LocalityScene>& LocalityScenes() {
         {"BorderOfADisc", BorderOfADisc, 50, 400, 40, 18},
         {"BorderOfABox", BorderOfABox, 30, 60, 55, 16},
         {"DiscsOfManyTargets", DiscsOfManyTargets, 50, 200, 50, 25},
+        {"WallWithATarget", WallWithATarget, 669, 10'692, 80, 40},
+        {"SegmentWithATarget", SegmentWithATarget, 55, 218, 120, 60},
         {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 90, 30},
         {"FirstSize", FirstSize, 1000, 64'000, 440, 200},
         {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},

@@ -56,7 +56,7 @@ struct MeshHash {
 
 // The version of the function from features to meshes. It increases whenever a release makes
 // another mesh of some features (CHANGELOG, "Bits"). Compare hashes only within a version.
-inline constexpr std::uint32_t kMeshBits = 9;
+inline constexpr std::uint32_t kMeshBits = 10;
 
 // A vertex's part of the hash of its mesh: from its `coordinates` (`dimension` of them), its
 // `containing_dimension` and its `owner`, as in VertexColumns.
