@@ -42,7 +42,7 @@ Parsed ParseFile(const std::string& text, std::vector<const char*> arguments = {
 
 TEST(Flags, TheExampleHasEveryOptionAtItsDefault) {
   const Parsed bare = Parse({});
-  const Parsed example = Parse({"--config", kExample});
+  const Parsed example = Parse({"--config", kExample.c_str()});
   ASSERT_FALSE(bare.code.has_value()) << bare.error;
   ASSERT_FALSE(example.code.has_value()) << example.error;
   int options = 0;
