@@ -73,7 +73,7 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
     corners.push_back(v);
     places.push_back({mesh.vertices[v].position(), mesh.vertices[v].position()});
   }
-  const geometry::BoxTree<3> vertices(std::move(places));
+  const boxes::BoxTree<3> vertices(std::move(places));
   for (std::uint32_t i = 0; i < simplices.size(); ++i) {
     vertices.ForEachMeeting(BoxOf(mesh, simplices[i]), [&](std::uint32_t corner) {
       const std::uint32_t v = corners[corner];
@@ -87,7 +87,7 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
   }
   std::vector<Box3> boxes;
   for (const auto& side : border) boxes.push_back(BoxOf(mesh, side));
-  const geometry::BoxTree<3> sides(std::move(boxes));
+  const boxes::BoxTree<3> sides(std::move(boxes));
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < border.size(); ++i) {
     near.clear();

@@ -86,7 +86,7 @@ class PartInputCheck {
     if (elsewhere.empty()) return;
     std::vector<Box3> places;
     for (const Feature* f : elsewhere) places.push_back({f->position, f->position});
-    const geometry::BoxTree<3> points(std::move(places));
+    const boxes::BoxTree<3> points(std::move(places));
     std::set<std::uint32_t> missing;
     ForEachSimplex(mesh_, [&](const auto& simplex) {
       points.ForEachMeeting(BoxOf(mesh_, simplex), [&](std::uint32_t i) {

@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/geometry/box_tree.h"
+#include "core/base/box_tree.h"
 #include "core/io/meshes/indexed_mesh.h"
 
 namespace dynmesh::cli {
 
-using Box3 = geometry::Box<3>;
+using Box3 = boxes::Box<3>;
 
 template <std::size_t N>
 Box3 BoxOf(const io::IndexedMesh& mesh, const std::array<std::uint32_t, N>& corners) {

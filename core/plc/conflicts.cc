@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/box_tree.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
-#include "core/geometry/box_tree.h"
 #include "core/plc/delta.h"
 #include "core/plc/facet.h"
 #include "core/plc/facet_rules.h"
@@ -42,7 +42,7 @@ class ConflictFinder {
     for (const Feature& f : features) {
       if (IsShape(f) && is_looked_at(f.id)) looked_at.push_back(BoxOf(f));
     }
-    const geometry::BoxTree<3> near(std::move(looked_at));
+    const boxes::BoxTree<3> near(std::move(looked_at));
     for (const Feature& f : features) {
       if (!IsShape(f) || !near.Meets(BoxOf(f))) continue;
       Visit(
@@ -90,7 +90,7 @@ class ConflictFinder {
   }
 
  private:
-  using Box3 = geometry::Box<3>;
+  using Box3 = boxes::Box<3>;
   // Has it a place? Sizes have none.
   static bool IsShape(const Feature& f) { return !Is<ASize>(f, Not<APoint, ASegment, APolygon>); }
 

@@ -11,8 +11,8 @@
 namespace dynmesh::transfer {
 namespace {
 
-using geometry::Box;
-using geometry::BoxTree;
+using boxes::Box;
+using boxes::BoxTree;
 
 // About the number in 3D.
 constexpr std::size_t kPiecesOfOne = 16;

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/box_tree.h"
+#include "core/base/box_tree.h"
 #include "core/transfer/simplex.h"
 #include "dynmesh/slot_mesh.h"
 
@@ -76,7 +76,7 @@ struct Overlay {
   std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
   std::vector<Piece<D>> pieces;           // by `to`
   std::vector<std::uint32_t> begins;      // of the pieces of each new simplex, and the end
-  geometry::BoxTree<D> tree;              // of the boxes of `from`
+  boxes::BoxTree<D> tree;                 // of the boxes of `from`
   bool has_regions = false;               // are there several?
   // Per new simplex, over all its pieces; if there are several regions, also over those in its own
   // region.

@@ -3,8 +3,8 @@
 // Boxes are closed: those that touch meet. Coordinates are finite. Building costs O(n lg n), a
 // query O(lg n) and the boxes found where these overlap little; it does not allocate.
 // Thread-compatible: const members may run concurrently.
-#ifndef DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
-#define DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
+#ifndef DYNMESH_CORE_BASE_BOX_TREE_H_
+#define DYNMESH_CORE_BASE_BOX_TREE_H_
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace dynmesh::geometry {
+namespace dynmesh::boxes {
 
 template <std::size_t D>
 struct Box {
@@ -125,6 +125,6 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
-}  // namespace dynmesh::geometry
+}  // namespace dynmesh::boxes
 
-#endif  // DYNMESH_CORE_GEOMETRY_BOX_TREE_H_
+#endif  // DYNMESH_CORE_BASE_BOX_TREE_H_

@@ -1,5 +1,5 @@
 // A box tree finds what a loop over all boxes finds, each once.
-#include "core/geometry/box_tree.h"
+#include "core/base/box_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/support/seed.h"
 
-namespace dynmesh::geometry::box_tree_test {
+namespace dynmesh::boxes::box_tree_test {
 namespace {
 
 // Coordinates on a coarse grid: boxes that touch, points, and equal boxes are frequent.
@@ -60,4 +60,4 @@ TEST(Box, IsAroundItsCorners) {
 }
 
 }  // namespace
-}  // namespace dynmesh::geometry::box_tree_test
+}  // namespace dynmesh::boxes::box_tree_test
