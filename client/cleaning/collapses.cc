@@ -41,10 +41,11 @@ void Collapses::DropAll(std::vector<Node>& dropped) {
 
 void Collapses::Offer(Node v) {
   if (mesh_.IsCorner(v)) return;
-  if (const auto change = RemovalOf(v)) queue_.push({CostOf(*change), v, false, v});
-  for (const Node u : mesh_.NeighboursOf(v)) {
-    if (const auto change = FanOf(v, u)) queue_.push({CostOf(*change), v, true, u});
-  }
+  const auto offer = [&](const std::optional<PatchChange>& change, bool is_fan, Node u) {
+    if (change && rules_.MayKeep(*change)) queue_.push({CostOf(*change), v, is_fan, u});
+  };
+  offer(RemovalOf(v), false, v);
+  for (const Node u : mesh_.NeighboursOf(v)) offer(FanOf(v, u), true, u);
 }
 
 double Collapses::CostOf(const PatchChange& change) const {

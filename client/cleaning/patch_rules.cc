@@ -74,22 +74,25 @@ PatchRules::PatchRules(PatchMesh& mesh, std::span<const ContactElement> obstacle
   for (std::uint32_t i = 0; i < obstacles.size(); ++i) contacts_.Insert(n + i, obstacles[i]);
 }
 
+bool PatchRules::MayKeep(const PatchChange& change) const {
+  return IsNear(change) && KeepsShape(change);
+}
+
 bool PatchRules::Try(const PatchChange& change) {
-  if (!KeepsShape(change) || !KeepsEdges(change) || !KeepsChain(change)) return false;
-  if (change.dropped) {
-    // Mostly what is too far away is so here.
-    const Point3& p = mesh_.at(*change.dropped);
-    if (std::none_of(change.now.begin(), change.now.end(), [&](const PatchFace& face) {
-          return SquaredDistance<3>(NearestOn(mesh_.CornersOf(face.v), p), p) <=
-                 limits_.within * limits_.within;
-        })) {
-      return false;
-    }
-  }
+  if (!MayKeep(change) || !KeepsEdges(change) || !KeepsChain(change)) return false;
   Uses uses;
   if (HasContacts(change) || !KeepsDistance(change, uses)) return false;
   Apply(change, std::move(uses));
   return true;
+}
+
+bool PatchRules::IsNear(const PatchChange& change) const {
+  if (!change.dropped) return true;
+  const Point3& p = mesh_.at(*change.dropped);
+  return std::any_of(change.now.begin(), change.now.end(), [&](const PatchFace& face) {
+    return SquaredDistance<3>(NearestOn(mesh_.CornersOf(face.v), p), p) <=
+           limits_.within * limits_.within;
+  });
 }
 
 bool PatchRules::KeepsShape(const PatchChange& change) const {

@@ -48,12 +48,18 @@ class PatchRules {
   // stand for.
   bool Try(const PatchChange& change);
 
+  // False if Try would be, as far as the old faces alone say: as long as these do not change, and
+  // AllowNarrow is not called. O(1).
+  bool MayKeep(const PatchChange& change) const;
+
   // From now on faces in a plane may have angles down to 10 degrees.
   void AllowNarrow() { allows_narrow_ = true; }
 
  private:
   using Uses = std::vector<std::vector<std::uint32_t>>;  // by new face: originals
 
+  // Is the dropped node near one of the new faces? Mostly what is too far away is so there.
+  bool IsNear(const PatchChange& change) const;
   bool KeepsShape(const PatchChange& change) const;
   bool KeepsEdges(const PatchChange& change) const;
   bool KeepsEdge(NodePair edge, const PatchChange& change, const std::set<NodePair>& old_edges,

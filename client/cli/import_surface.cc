@@ -2,13 +2,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_format.h"
 #include "client/cleaning/clean_surfaces.h"
 #include "client/cleaning/feature_edges.h"
@@ -17,6 +15,7 @@
 #include "client/cli/json.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
+#include "client/preparation/thinning.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_output.h"
@@ -92,21 +91,6 @@ void DropAttributes(const std::string& path, io::FeatureLabels& labels) {
   labels.values.clear();
 }
 
-// Polygons of the same marker and name are a group.
-absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature>& features,
-                                                       const io::FeatureLabels& labels) {
-  absl::flat_hash_map<FeatureId, std::uint32_t> groups;
-  std::map<std::pair<std::int64_t, std::string>, std::uint32_t> numbers;
-  numbers[{0, ""}] = 0;
-  for (const Feature& f : features) {
-    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
-    const auto next = static_cast<std::uint32_t>(numbers.size());
-    groups[f.id] =
-        numbers.try_emplace({labels.MarkerOf(f.id), labels.NameOf(f.id)}, next).first->second;
-  }
-  return groups;
-}
-
 // Replaces the features of `result`.
 absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& result,
                               io::FeatureLabels& labels, FeatureEdgeReport& report) {
@@ -114,7 +98,7 @@ absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& 
   options.angle = *command.feature_angle;
   options.within = command.within.value_or(cleaning::DefaultWithin(result.features));
   options.tolerance = result.tolerance;
-  options.groups = GroupsOf(result.features, labels);
+  options.groups = preparation::GroupsOf(result.features, labels);
   const auto start = std::chrono::steady_clock::now();
   auto kept = cleaning::KeepFeatureEdges(result.features, options);
   if (!kept.ok()) return kept.status();

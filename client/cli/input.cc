@@ -60,8 +60,9 @@ absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& fla
   absl::StatusOr<preparation::Prepared> prepared = preparation::Prepare(path, options, preparing);
   if (!prepared.ok()) return prepared.status();
   report = std::move(prepared->report);
-  if (report->is_mended) {
-    prepared->geometry.warnings.push_back(Concat(path, ": mended: ", preparation::TextOf(*report)));
+  if (report->is_mended || report->is_thinned) {
+    prepared->geometry.warnings.push_back(Concat(
+        path, report->is_mended ? ": mended: " : ": coarser: ", preparation::TextOf(*report)));
   }
   return std::move(prepared->geometry);
 }

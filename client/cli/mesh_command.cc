@@ -52,6 +52,7 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
     changes.Add(key, count);
   }
   summary.Add("mended", report.is_mended)
+      .Add("thinned", report.is_thinned)
       .Add("within", report.within)
       .Add("mending_tolerance", report.tolerance)
       .Add("farthest", report.farthest)
@@ -60,6 +61,7 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
       .Add("open_loops", report.open_loops.size())
       .Add("prepare_seconds", report.seconds)
       .AddObject("changes", changes);
+  if (report.is_thinned) summary.Add("faces_read", report.faces_read).Add("faces", report.faces);
   std::vector<JsonObject> loops;
   for (const preparation::OpenLoop& loop : report.open_loops) {
     if (loops.size() == kMostTold) break;

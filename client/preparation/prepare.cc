@@ -9,16 +9,13 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "client/cleaning/clean_input.h"
-#include "client/cleaning/clean_surfaces.h"
+#include "client/preparation/cleaner.h"
 #include "client/preparation/default_limit.h"
-#include "client/preparation/farthest.h"
 #include "client/preparation/open_edges.h"
+#include "client/preparation/thinning.h"
 #include "core/base/feature_kinds.h"
-#include "core/base/rounding.h"
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
-#include "core/io/formats/prepare_surface.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
 
@@ -28,17 +25,11 @@ namespace {
 using io::Geometry;
 using text::Concat;
 
-// Tolerances of cleaning beyond its default, in units of D.
-constexpr double kSharesOfWithin[] = {1e-3, 1e-2, 1e-1, 0.5, 1};
-// Joining moves corners by a few roundings of the file's numbers, and must not make new contacts.
-constexpr double kRoundings = 32;
 // In degrees. What meets at a lesser angle becomes one, in a surface that a mesh refuses for an
 // angle: twice what it takes at a corner.
 constexpr double kLeastAngle = 0.002;
 // Open loops that are told one by one.
 constexpr std::size_t kLoopsTold = 5;
-// Distances are told up to a factor of 2, from this share of the tolerance on.
-constexpr double kLeastBound = 1.0 / 16;
 
 double DiagonalOf(const std::vector<Feature>& features, int dimension) {
   const Box box = io::BoundingBox(features, dimension);
@@ -92,229 +83,71 @@ bool IsOfAngle(const absl::Status& refusal) {
   return detail && detail->reason == reason::kSmallAngle;
 }
 
-// ---- what was done
-
-template <class Kind, class Change>
-void AddChanges(const std::vector<Change>& changes, int kinds, Report& report) {
-  std::vector<std::size_t> counts(static_cast<std::size_t>(kinds));
-  for (const Change& change : changes) ++counts[static_cast<std::size_t>(change.kind)];
-  for (int k = 0; k < kinds; ++k) {
-    const std::size_t count = counts[static_cast<std::size_t>(k)];
-    if (count != 0) report.changes.emplace_back(NameOf(static_cast<Kind>(k)), count);
-  }
-}
-
-void AddCount(const char* what, std::size_t count, Report& report) {
-  if (count != 0) report.changes.emplace_back(what, count);
-}
-
-// ---- one tolerance
-
-bool HasEdges(const std::vector<Feature>& features) {
-  return std::ranges::any_of(
-      features, [](const Feature& f) { return Is<ASegment, APolygon>(f, Not<APoint, ASize>); });
-}
-
-// The geometry that a file has, as it is to be cleaned.
-class Cleaner {
- public:
-  // `is_closed`: the input has no open edges.
-  Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, bool is_closed,
-          double within)
-      : raw_(std::move(raw)),
-        reading_(reading),
-        is_surface_(is_surface),
-        is_closed_(is_closed),
-        within_(within) {
-    raw_.warnings.clear();
-    DropAttributes();
-  }
-
-  // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
-  // becomes one. RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning;
-  // OUT_OF_RANGE if it is too far from the input; NOT_FOUND if nothing is left.
-  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps) const {
-    Prepared prepared = {raw_, {}};
-    Report& report = prepared.report;
-    report.is_mended = true;
-    report.within = within_;
-    std::vector<FeatureId> doubled;
-    const absl::Status status = raw_.options.dimension == 2
-                                    ? CleanPlane(tolerance, prepared)
-                                    : CleanSpace(tolerance, least_angle, steps, doubled, prepared);
-    if (!status.ok()) return status;
-    if (HasEdges(raw_.features) && !HasEdges(prepared.geometry.features)) {
-      return absl::NotFoundError(
-          Concat("nothing is left: 0 polygons and 0 segments; none has an area or a length of ",
-                 static_cast<float>(tolerance)));
-    }
-    const int dimension = raw_.options.dimension;
-    std::vector<Feature> with_flaps;
-    std::size_t flaps = 0;
-    if (is_closed_ && !doubled.empty()) {
-      with_flaps = prepared.geometry.features;
-      flaps = DropFlaps(doubled, prepared.geometry.features);
-    }
-    std::optional<double> farthest = FarthestOf(prepared);
-    if (!farthest && flaps != 0) {
-      prepared.geometry.features = std::move(with_flaps);
-      flaps = 0;
-      farthest = FarthestOf(prepared);
-    }
-    if (!farthest) return TooFar();
-    AddCount("flap dropped", flaps, report);
-    report.farthest = *farthest;
-    if (is_surface_) {
-      const io::SurfaceCounts counts = io::JoinFacesInOnePlane(reading_, prepared.geometry);
-      prepared.geometry.surface = counts;
-      prepared.geometry.options.box = io::BoundingBox(prepared.geometry.features, dimension);
-      AddCount("face joined", counts.joined, report);
-    }
-    if (dimension == 3) {
-      report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
-    }
-    return prepared;
-  }
-
-  // Of cleaning in 3D, for one tolerance.
-  std::uint64_t Steps() const { return cleaning::DefaultSteps(raw_.features.size()); }
-
-  // Those to be tried, ascending.
-  std::vector<double> Tolerances() const {
-    const int dimension = raw_.options.dimension;
-    const double limits =
-        dimension == 2 ? cleaning::kDefaultCloseLimits : cleaning::kDefaultSurfaceLimits;
-    const double rounding = raw_.rounding.Of(LargestMagnitude(raw_.options.box, dimension));
-    std::vector<double> tolerances = {std::max(limits * LeastDistance(raw_.options),
-                                               std::min(kRoundings * rounding, within_ / 2))};
-    for (const double share : kSharesOfWithin) {
-      if (share * within_ > tolerances.back()) tolerances.push_back(share * within_);
-    }
-    return tolerances;
-  }
-
- private:
-  // A bound of how far the result and the input are from each other; nothing if it is too much.
-  std::optional<double> FarthestOf(const Prepared& prepared) const {
-    const int dimension = raw_.options.dimension;
-    const std::vector<Feature>& result = prepared.geometry.features;
-    const double least = std::min(kLeastBound * prepared.report.tolerance, within_);
-    const auto there = FarthestBound(result, raw_.features, dimension, least, within_);
-    // In 2D edges that are there and back are dropped, as they enclose nothing.
-    if (!there || dimension == 2) return there;
-    const auto back = FarthestBound(raw_.features, result, dimension, least, within_);
-    if (!back) return back;
-    return std::max(*there, *back);
-  }
-
-  absl::Status TooFar() const {
-    return absl::OutOfRangeError(Concat("cleaning moves it by more than ", within_));
-  }
-
-  void DropAttributes() {
-    auto labels = std::make_shared<io::FeatureLabels>(*raw_.labels);
-    labels->attributes = 0;
-    labels->values.clear();
-    raw_.labels = std::move(labels);
-  }
-
-  absl::Status CleanPlane(double tolerance, Prepared& prepared) const {
-    cleaning::CleanOptions options;
-    options.tolerance = tolerance;
-    absl::StatusOr<cleaning::CleanResult> cleaned = cleaning::CleanInput(raw_.features, options);
-    if (!cleaned.ok()) return cleaned.status();
-    prepared.geometry.features = std::move(cleaned->features);
-    io::KeepPlacesOfParts(PartsOf(prepared.geometry.features), prepared.geometry);
-    prepared.report.tolerance = tolerance;
-    AddChanges<cleaning::ChangeKind>(cleaned->changes, cleaning::kChangeKinds, prepared.report);
-    return absl::OkStatus();
-  }
-
-  absl::Status CleanSpace(double tolerance, double least_angle, std::uint64_t steps,
-                          std::vector<FeatureId>& doubled, Prepared& prepared) const {
-    cleaning::SurfaceCleanOptions options;
-    options.tolerance = tolerance;
-    options.least_angle = least_angle;
-    options.max_steps = steps;
-    while (options.first_doublings > 0 &&
-           std::ldexp(tolerance, options.first_doublings) > within_ / 2) {
-      --options.first_doublings;
-    }
-    options.holes = !is_surface_;
-    absl::StatusOr<cleaning::SurfaceCleanResult> cleaned =
-        cleaning::CleanSurfaces(raw_.features, options);
-    if (!cleaned.ok()) return cleaned.status();
-    prepared.geometry.features = std::move(cleaned->features);
-    io::KeepPlacesOfParts(cleaned->parts, prepared.geometry);
-    prepared.report.tolerance = cleaned->tolerance;
-    doubled = std::move(cleaned->doubled);
-    AddChanges<cleaning::SurfaceChangeKind>(cleaned->changes, cleaning::kSurfaceChangeKinds,
-                                            prepared.report);
-    return absl::OkStatus();
-  }
-
-  // New segments follow the one that they are a part of.
-  std::vector<std::pair<FeatureId, FeatureId>> PartsOf(const std::vector<Feature>& features) const {
-    FeatureId last = 0, whole = 0;
-    for (const Feature& f : raw_.features) last = std::max(last, f.id);
-    std::vector<std::pair<FeatureId, FeatureId>> parts;
-    for (const Feature& f : features) {
-      if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
-      if (f.id <= last) {
-        whole = f.id;
-      } else {
-        parts.emplace_back(f.id, whole);
-      }
-    }
-    return parts;
-  }
-
-  Geometry raw_;
-  const io::GeometryOptions& reading_;
-  bool is_surface_, is_closed_;
-  double within_;
-};
-
 // What a mesh refuses of what was read, and its open edges. Returns whether these may be closed.
 bool Describe(const Geometry& geometry, double within, Report& report) {
   report.found = Refusal(geometry);
   report.within = within;
-  AddCount("ring closed", geometry.mended.closed, report);
-  AddCount("ring dropped", geometry.mended.dropped, report);
+  report.Add("ring closed", geometry.mended.closed);
+  report.Add("ring dropped", geometry.mended.dropped);
   if (geometry.options.dimension != 3) return false;
   const std::vector<OpenEdge> open = OpenEdgesOf(geometry.features);
   report.open_edges = report.open_edges_after = open.size();
   return !open.empty() && MayBeClosed(open, within);
 }
 
+// What cleaning made, before faces in one plane were joined and after it.
+struct Mended {
+  Prepared cleaned, joined;
+};
+
 // The result of the least tolerance that a mesh accepts; if open edges are `to_close`, that of the
 // least one that closes them, if there is one. NOT_FOUND if the least tolerance leaves nothing.
-absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
-                                             bool to_close) {
-  std::optional<Prepared> best;
+absl::StatusOr<std::optional<Mended>> Mend(const Cleaner& cleaner, const Report& as_read,
+                                           bool to_close) {
+  std::optional<Mended> best;
   const std::vector<double> tolerances = cleaner.Tolerances();
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
   std::uint64_t steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
-    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps);
-    absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
-    if (IsOfAngle(refusal)) {
-      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps);
-      if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
-    }
-    if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
-      return cleaned.status();
-    }
-    if (absl::IsNotFound(cleaned.status())) break;
-    if (absl::IsResourceExhausted(cleaned.status())) steps = std::max<std::uint64_t>(steps / 2, 1);
-    if (!cleaned.ok() || !refusal.ok()) continue;
-    cleaned->report.found = as_read.found;
-    cleaned->report.open_edges = as_read.open_edges;
-    const bool is_closed = cleaned->report.open_edges_after == 0;
-    if (is_closed || (!best && !as_read.found.ok())) best = *std::move(cleaned);
+    Mended now;
+    const auto refusal_of = [&](double least_angle) -> absl::StatusOr<absl::Status> {
+      absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, least_angle, steps);
+      if (!cleaned.ok()) return cleaned.status();
+      now.cleaned = *std::move(cleaned);
+      now.cleaned.report.found = as_read.found;
+      now.cleaned.report.open_edges = as_read.open_edges;
+      now.joined = cleaner.Joined(now.cleaned);
+      return Refusal(now.joined.geometry);
+    };
+    absl::StatusOr<absl::Status> refusal = refusal_of(0);
+    if (refusal.ok() && IsOfAngle(*refusal)) refusal = refusal_of(kLeastAngle);
+    const absl::Status failure = refusal.status();
+    if (absl::IsNotFound(failure) && tolerance == tolerances.front()) return failure;
+    if (absl::IsNotFound(failure)) break;
+    if (absl::IsResourceExhausted(failure)) steps = std::max<std::uint64_t>(steps / 2, 1);
+    if (!failure.ok() || !refusal->ok()) continue;
+    const bool is_closed = now.joined.report.open_edges_after == 0;
+    if (is_closed || (!best && !as_read.found.ok())) best = std::move(now);
     if (best && (is_closed || !to_close)) break;
   }
   return best;
+}
+
+// The surface with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
+// accepts that.
+std::optional<Prepared> Thinned(const Cleaner& cleaner, Prepared cleaned, double within) {
+  Report& report = cleaned.report;
+  if (!(within > 0)) return std::nullopt;
+  report.faces_read = CountOf<APolygon>(cleaned.geometry.features, Not<APoint, ASegment, ASize>);
+  const std::size_t dropped = Thin(within, report.tolerance, cleaned.geometry);
+  if (dropped == 0) return std::nullopt;
+  report.is_thinned = true;
+  report.faces = CountOf<APolygon>(cleaned.geometry.features, Not<APoint, ASegment, ASize>);
+  report.farthest += within;
+  report.Add("point dropped", dropped);
+  Prepared joined = cleaner.Joined(std::move(cleaned));
+  if (!Refusal(joined.geometry).ok()) return std::nullopt;
+  return joined;
 }
 
 // `prepared` with its holes filled, if a mesh accepts that; else as it is.
@@ -328,19 +161,20 @@ void Fill(double longest, const io::GeometryOptions& reading, Prepared& prepared
     // Its polygons may have several rings: they are cleaned as those of a file of facets.
     const Cleaner cleaner(filled, reading, /*is_surface=*/false, /*is_closed=*/false,
                           report.within - report.farthest);
-    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, report, /*to_close=*/false);
+    absl::StatusOr<std::optional<Mended>> mended = Mend(cleaner, report, /*to_close=*/false);
     if (!mended.ok() || !*mended) return;
-    filled = std::move((*mended)->geometry);
-    report.farthest += (*mended)->report.farthest;
-    report.tolerance = std::max(report.tolerance, (*mended)->report.tolerance);
-    for (const auto& change : (*mended)->report.changes) report.changes.push_back(change);
+    Prepared& joined = (*mended)->joined;
+    filled = std::move(joined.geometry);
+    report.farthest += joined.report.farthest;
+    report.tolerance = std::max(report.tolerance, joined.report.tolerance);
+    for (const auto& change : joined.report.changes) report.changes.push_back(change);
     report.unfilled = absl::OkStatus();
   }
   if (!report.unfilled.ok()) return;
   prepared.geometry = std::move(filled);
   report.is_mended = true;
   report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
-  AddCount("hole filled", count, report);
+  report.Add("hole filled", count);
 }
 
 absl::Status CheckLength(const char* flag, const std::optional<double>& length) {
@@ -390,36 +224,61 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   }
   const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
   const bool is_surface = format != nullptr && format->Is(io::kSurface);
+  const bool may_be_thinned = is_surface && !reading.keep_facets;
   const absl::Status unread = given.status();
-  const bool given_ok = given.ok();
-  Prepared as_read;
+  Prepared result;  // as it was read, at first
   bool to_close = false;
   if (given.ok()) {
-    as_read.geometry = *std::move(given);
-    const Geometry& geometry = as_read.geometry;
+    result.geometry = *std::move(given);
+    const Geometry& geometry = result.geometry;
     const bool in_space = geometry.options.dimension == 3;
-    if (in_space && !is_surface && !options.within && !options.fill_holes) return as_read;
-    const double within = within_of(geometry);
-    to_close = Describe(geometry, within, as_read.report);
-    const absl::Status& found = as_read.report.found;
-    if (found.ok() ? !to_close : !IsOfFeatures(found)) return finish(std::move(as_read));
+    if (in_space && !is_surface && !options.within && !options.fill_holes) return result;
+    to_close = Describe(geometry, within_of(geometry), result.report);
+    const absl::Status& found = result.report.found;
+    if (found.ok() ? !to_close && !may_be_thinned : !IsOfFeatures(found)) {
+      return finish(std::move(result));
+    }
   } else {
-    as_read.report.found = unread;
+    result.report.found = unread;
   }
   how.faces = io::FaceRules::kAsTheyCome;
   absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
-  if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
-    const double within = within_of(*raw);
-    const bool is_closed = given_ok && as_read.report.open_edges == 0;
-    const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
-    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
+  if (!raw.ok() || !(within_of(*raw) > 0) || !ValidateOptions(raw->options).ok()) {
+    if (!unread.ok()) return unread;
+    return finish(std::move(result));
+  }
+  const double within = within_of(*raw);
+  const bool is_closed = unread.ok() && result.report.open_edges == 0;
+  const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
+  const bool is_accepted = unread.ok() && result.report.found.ok();
+  std::optional<Prepared> cleaned;  // of the result, before faces in one plane were joined
+  if (!is_accepted || to_close) {
+    absl::StatusOr<std::optional<Mended>> mended = Mend(cleaner, result.report, to_close);
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));
     }
-    if (*mended) return finish(**std::move(mended));
+    if (*mended) {
+      cleaned = std::move((*mended)->cleaned);
+      result = std::move((*mended)->joined);
+    } else if (!unread.ok()) {
+      return unread;
+    }
   }
-  if (!unread.ok()) return unread;
-  return finish(std::move(as_read));
+  if (!may_be_thinned) return finish(std::move(result));
+  if (!cleaned && is_accepted) {
+    absl::StatusOr<Prepared> made = cleaner.Clean(cleaner.Tolerances().front(), 0, cleaner.Steps());
+    if (made.ok()) {
+      cleaned = *std::move(made);
+      cleaned->report.is_mended = false;
+      cleaned->report.open_edges = result.report.open_edges;
+    }
+  }
+  if (cleaned) {
+    // What fills holes may have to be mended, too.
+    const double left = (within - cleaned->report.farthest) * (options.fill_holes ? 0.5 : 1);
+    if (auto thinned = Thinned(cleaner, *std::move(cleaned), left)) result = *std::move(thinned);
+  }
+  return finish(std::move(result));
 }
 
 std::string TextOf(const Report& report) {
@@ -427,7 +286,10 @@ std::string TextOf(const Report& report) {
   for (const auto& [what, count] : report.changes) {
     text += Concat(text.empty() ? "" : ", ", count, " x ", what);
   }
-  if (report.is_mended) {
+  if (report.is_thinned) {
+    text += Concat(", ", report.faces_read, " faces became ", report.faces);
+  }
+  if (report.is_mended || report.is_thinned) {
     text += absl::StrFormat("; at most %.2g from the input, tolerance %.2g", report.farthest,
                             report.tolerance);
   }

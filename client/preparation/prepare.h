@@ -47,8 +47,9 @@ struct PrepareOptions {
 };
 
 struct Report {
-  bool is_mended = false;  // else the input is as it was read
-  absl::Status found;      // what a mesh refuses of the input first; OK if nothing
+  bool is_mended = false;   // what a mesh refuses, or open edges
+  bool is_thinned = false;  // if neither, the input is as it was read
+  absl::Status found;       // what a mesh refuses of the input first; OK if nothing
   std::size_t open_edges = 0, open_edges_after = 0;  // 3D: with one face
   std::vector<OpenLoop> open_loops;                  // after all, by ascending length
   absl::Status unfilled;               // what a mesh refuses of the surface with its holes filled
@@ -57,6 +58,11 @@ struct Report {
   double seconds = 0;
   // What was done: "points merged", and how often. Only what was done.
   std::vector<std::pair<std::string, std::size_t>> changes;
+  std::size_t faces_read = 0, faces = 0;  // if it is thinned: before that and after it, not joined
+
+  void Add(const char* what, std::size_t count) {
+    if (count != 0) changes.emplace_back(what, count);
+  }
 };
 
 struct Prepared {

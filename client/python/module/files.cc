@@ -54,6 +54,11 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   const preparation::Report& report = value.report;
   py::dict told;
   told["mended"] = report.is_mended;
+  told["thinned"] = report.is_thinned;
+  if (report.is_thinned) {
+    told["faces_read"] = report.faces_read;
+    told["faces"] = report.faces;
+  }
   told["found"] = std::string(text::View(report.found.message()));
   told["within"] = report.within;
   told["tolerance"] = report.tolerance;

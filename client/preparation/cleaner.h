@@ -1,0 +1,58 @@
+// The cleaning of a file's geometry with one tolerance, and a bound of how far it moves anything.
+#ifndef DYNMESH_CLIENT_PREPARATION_CLEANER_H_
+#define DYNMESH_CLIENT_PREPARATION_CLEANER_H_
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/preparation/prepare.h"
+#include "core/io/formats/geometry.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::preparation {
+
+// The geometry that a file has, as it is to be cleaned. Thread-compatible; const methods
+// thread-safe.
+class Cleaner {
+ public:
+  // `is_closed`: the input has no open edges. `within`: what may be moved by at most.
+  Cleaner(io::Geometry raw, const io::GeometryOptions& reading, bool is_surface, bool is_closed,
+          double within);
+
+  // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
+  // becomes one. Faces in one plane are not joined yet.
+  // RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning; OUT_OF_RANGE if it is too far from the
+  // input; NOT_FOUND if nothing is left. Expected O(n lg n).
+  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps) const;
+
+  // Joins faces in one plane, of a surface file; else returns what it is given. O(n lg n).
+  Prepared Joined(Prepared cleaned) const;
+
+  // Of cleaning in 3D, for one tolerance.
+  std::uint64_t Steps() const;
+
+  // Those to be tried, ascending.
+  std::vector<double> Tolerances() const;
+
+ private:
+  // A bound of how far the result and the input are from each other; nothing if it is too much.
+  std::optional<double> FarthestOf(const Prepared& prepared) const;
+  absl::Status CleanPlane(double tolerance, Prepared& prepared) const;
+  absl::Status CleanSpace(double tolerance, double least_angle, std::uint64_t steps,
+                          std::vector<FeatureId>& doubled, Prepared& prepared) const;
+  // New segments follow the one that they are a part of.
+  std::vector<std::pair<FeatureId, FeatureId>> PartsOf(const std::vector<Feature>& features) const;
+
+  io::Geometry raw_;
+  io::GeometryOptions reading_;
+  bool is_surface_, is_closed_;
+  double within_;
+};
+
+}  // namespace dynmesh::preparation
+
+#endif  // DYNMESH_CLIENT_PREPARATION_CLEANER_H_

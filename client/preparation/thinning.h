@@ -1,0 +1,33 @@
+// Makes a surface coarse where a distance leaves room for it (client/cleaning/feature_edges.h), so
+// that a mesh of it does not follow triangles that are finer than that.
+#ifndef DYNMESH_CLIENT_PREPARATION_THINNING_H_
+#define DYNMESH_CLIENT_PREPARATION_THINNING_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/io/common/file_features.h"
+#include "core/io/formats/geometry.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::preparation {
+
+// In degrees. Sharper edges stay edges, and corners of theirs that turn by more stay corners.
+inline constexpr double kThinningAngle = 20;
+
+// The number of its marker and name for each polygon, 0 for none: between different numbers edges
+// stay. O(n lg n).
+absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature>& features,
+                                                       const io::FeatureLabels& labels);
+
+// Drops corners of faces, so that each point of the new faces is within `within` of the old ones,
+// and the other way round. Returns how many corners; if none, nothing changes. Polygons keep
+// markers and names. REQUIRES: what cleaning made with this tolerance (CleanSurfaces);
+// `within` is positive. Expected O(n lg n).
+std::size_t Thin(double within, double tolerance, io::Geometry& geometry);
+
+}  // namespace dynmesh::preparation
+
+#endif  // DYNMESH_CLIENT_PREPARATION_THINNING_H_
