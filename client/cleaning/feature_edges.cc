@@ -32,6 +32,8 @@ class Simplifier {
     std::vector<Point3> points = EnterNodes();
     const std::size_t count = points.size();
     std::vector<PatchFace> faces = Triangulate();
+    FeatureEdgeResult result;
+    result.triangles_before = faces.size();
     std::vector<NodePair> segments;
     for (const Feature& f : features_) {
       if (!Is<ASegment>(f, Not<APoint, APolygon, ASize>)) continue;
@@ -52,7 +54,6 @@ class Simplifier {
     }
     PatchMesh mesh(std::move(points), std::move(faces), segments, DeviationLimit(options_.angle));
     PatchRules rules(mesh, obstacles, {options_.angle, options_.within, options_.tolerance});
-    FeatureEdgeResult result;
     is_dropped_.assign(count, false);
     for (const Node v : Collapses(mesh, rules).Run()) {
       is_dropped_[v] = true;
@@ -129,7 +130,8 @@ class Simplifier {
       const auto it = parts.find(f.id);
       if (it == parts.end()) continue;
       const std::vector<const PatchFace*>& left = it->second;
-      if (left.size() == pieces_of_.at(f.id) &&
+      result.triangles += left.size();
+      if (left.size() == pieces_of_.at(f.id) && (options_.holes || f.rings.size() == 1) &&
           std::none_of(left.begin(), left.end(),
                        [](const PatchFace* p) { return p->is_changed; })) {
         result.features.push_back(f);

@@ -51,22 +51,25 @@ struct FeatureEdgeOptions {
   double tolerance = 0;  // of the cleaning; positive
   // Of polygons, by id: between different numbers edges stay. 0 for those that are not there.
   absl::flat_hash_map<FeatureId, std::uint32_t> groups;
+  bool holes = true;  // polygons may keep several rings; else they become triangles
 };
 
 struct FeatureEdgeResult {
   // As in SurfaceCleanResult. A polygon of more corners that nothing has changed stays one.
   std::vector<Feature> features;
   std::vector<std::pair<FeatureId, FeatureId>> parts;
-  std::vector<SurfaceChange> changes;  // all kPointDropped
-  std::size_t sharp_edges = 0;         // of the result
-  std::size_t corners = 0;             // with faces
+  std::vector<SurfaceChange> changes;               // all kPointDropped
+  std::size_t triangles_before = 0, triangles = 0;  // of all polygons, given and in the result
+  std::size_t sharp_edges = 0;                      // of the result
+  std::size_t corners = 0;                          // with faces
 };
 
 // A thousandth of the diagonal of the box of all polygons' corners; 0 if there are none.
 double DefaultWithin(const std::vector<Feature>& features);
 
-// REQUIRES: `features` are what CleanSurfaces made with this tolerance. INVALID_ARGUMENT for an
-// angle or a distance out of its range.
+// REQUIRES: `features` are what CleanSurfaces made with this tolerance, or what a mesh accepts:
+// then what was nearer than the tolerance may stay so. INVALID_ARGUMENT for an angle or a distance
+// out of its range.
 absl::StatusOr<FeatureEdgeResult> KeepFeatureEdges(const std::vector<Feature>& features,
                                                    const FeatureEdgeOptions& options);
 

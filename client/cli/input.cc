@@ -82,7 +82,7 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
       Concat("Of a ", io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); }),
              ": keep faces as they are. Otherwise those in one plane within the rounding of the "
              "file's numbers become one polygon, whose corners move onto the plane, by 4 roundings "
-             "at most"));
+             "at most, and `mesh` and `verify` make faces that are finer than --within fewer"));
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
                        "Of 3D input: join faces that lie in one plane and share edges");
@@ -113,8 +113,9 @@ void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
   command
       .add_option(
           "--within", flags.within,
-          "How far mending may move an edge or a face, to both sides (default: 1e-4 of the "
-          "diagonal of the input's box). Given, 3D .poly, .smesh, .msh and .mesh are mended, "
+          "How far mending, and making a surface coarser, may move an edge or a face, to both "
+          "sides (default: 1e-4 of the diagonal of the input's box). Given, 3D .poly, .smesh, .msh "
+          "and .mesh are mended, "
           "too")
       ->type_name("D")
       ->excludes(exact);

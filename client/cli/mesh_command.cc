@@ -61,7 +61,7 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
       .Add("open_loops", report.open_loops.size())
       .Add("prepare_seconds", report.seconds)
       .AddObject("changes", changes);
-  if (report.is_thinned) summary.Add("faces_read", report.faces_read).Add("faces", report.faces);
+  if (report.is_thinned) summary.Add("triangles_read", report.triangles_read).Add("triangles", report.triangles);
   std::vector<JsonObject> loops;
   for (const preparation::OpenLoop& loop : report.open_loops) {
     if (loops.size() == kMostTold) break;

@@ -51,6 +51,15 @@ std::shared_ptr<const io::FeatureLabels> WithoutAttributes(const io::FeatureLabe
 
 }  // namespace
 
+double LeastTolerance(const Geometry& geometry, double within) {
+  const int dimension = geometry.options.dimension;
+  const double limits =
+      dimension == 2 ? cleaning::kDefaultCloseLimits : cleaning::kDefaultSurfaceLimits;
+  const double rounding = geometry.rounding.Of(LargestMagnitude(geometry.options.box, dimension));
+  return std::max(limits * LeastDistance(geometry.options),
+                  std::min(kRoundings * rounding, within / 2));
+}
+
 Cleaner::Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, bool is_closed,
                  double within)
     : raw_(std::move(raw)),
@@ -96,28 +105,19 @@ absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle,
   }
   report.Add("flap dropped", flaps);
   report.farthest = *farthest;
+  if (is_surface_) {
+    prepared.geometry.surface = io::JoinFacesInOnePlane(reading_, prepared.geometry);
+    prepared.geometry.options.box = io::BoundingBox(features, raw_.options.dimension);
+    report.Add("face joined", prepared.geometry.surface->joined);
+  }
   if (raw_.options.dimension == 3) report.open_edges_after = OpenEdgesOf(features).size();
   return prepared;
-}
-
-Prepared Cleaner::Joined(Prepared cleaned) const {
-  if (!is_surface_) return cleaned;
-  Geometry& geometry = cleaned.geometry;
-  geometry.surface = io::JoinFacesInOnePlane(reading_, geometry);
-  geometry.options.box = io::BoundingBox(geometry.features, geometry.options.dimension);
-  cleaned.report.Add("face joined", geometry.surface->joined);
-  return cleaned;
 }
 
 std::uint64_t Cleaner::Steps() const { return cleaning::DefaultSteps(raw_.features.size()); }
 
 std::vector<double> Cleaner::Tolerances() const {
-  const int dimension = raw_.options.dimension;
-  const double limits =
-      dimension == 2 ? cleaning::kDefaultCloseLimits : cleaning::kDefaultSurfaceLimits;
-  const double rounding = raw_.rounding.Of(LargestMagnitude(raw_.options.box, dimension));
-  std::vector<double> tolerances = {
-      std::max(limits * LeastDistance(raw_.options), std::min(kRoundings * rounding, within_ / 2))};
+  std::vector<double> tolerances = {LeastTolerance(raw_, within_)};
   for (const double share : kSharesOfWithin) {
     if (share * within_ > tolerances.back()) tolerances.push_back(share * within_);
   }

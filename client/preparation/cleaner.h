@@ -15,6 +15,10 @@
 
 namespace dynmesh::preparation {
 
+// The tolerance that cleaning of the geometry begins with: that of `import --clean`, or some
+// roundings of a surface file's numbers if that is more.
+double LeastTolerance(const io::Geometry& geometry, double within);
+
 // The geometry that a file has, as it is to be cleaned. Thread-compatible; const methods
 // thread-safe.
 class Cleaner {
@@ -24,13 +28,10 @@ class Cleaner {
           double within);
 
   // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
-  // becomes one. Faces in one plane are not joined yet.
+  // becomes one.
   // RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning; OUT_OF_RANGE if it is too far from the
   // input; NOT_FOUND if nothing is left. Expected O(n lg n).
   absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps) const;
-
-  // Joins faces in one plane, of a surface file; else returns what it is given. O(n lg n).
-  Prepared Joined(Prepared cleaned) const;
 
   // Of cleaning in 3D, for one tolerance.
   std::uint64_t Steps() const;

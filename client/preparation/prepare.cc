@@ -16,6 +16,7 @@
 #include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
+#include "core/io/formats/prepare_surface.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
 
@@ -95,59 +96,56 @@ bool Describe(const Geometry& geometry, double within, Report& report) {
   return !open.empty() && MayBeClosed(open, within);
 }
 
-// What cleaning made, before faces in one plane were joined and after it.
-struct Mended {
-  Prepared cleaned, joined;
-};
-
 // The result of the least tolerance that a mesh accepts; if open edges are `to_close`, that of the
 // least one that closes them, if there is one. NOT_FOUND if the least tolerance leaves nothing.
-absl::StatusOr<std::optional<Mended>> Mend(const Cleaner& cleaner, const Report& as_read,
-                                           bool to_close) {
-  std::optional<Mended> best;
+absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
+                                             bool to_close) {
+  std::optional<Prepared> best;
   const std::vector<double> tolerances = cleaner.Tolerances();
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
   std::uint64_t steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
-    Mended now;
-    const auto refusal_of = [&](double least_angle) -> absl::StatusOr<absl::Status> {
-      absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, least_angle, steps);
-      if (!cleaned.ok()) return cleaned.status();
-      now.cleaned = *std::move(cleaned);
-      now.cleaned.report.found = as_read.found;
-      now.cleaned.report.open_edges = as_read.open_edges;
-      now.joined = cleaner.Joined(now.cleaned);
-      return Refusal(now.joined.geometry);
-    };
-    absl::StatusOr<absl::Status> refusal = refusal_of(0);
-    if (refusal.ok() && IsOfAngle(*refusal)) refusal = refusal_of(kLeastAngle);
-    const absl::Status failure = refusal.status();
-    if (absl::IsNotFound(failure) && tolerance == tolerances.front()) return failure;
-    if (absl::IsNotFound(failure)) break;
-    if (absl::IsResourceExhausted(failure)) steps = std::max<std::uint64_t>(steps / 2, 1);
-    if (!failure.ok() || !refusal->ok()) continue;
-    const bool is_closed = now.joined.report.open_edges_after == 0;
-    if (is_closed || (!best && !as_read.found.ok())) best = std::move(now);
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps);
+    absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
+    if (IsOfAngle(refusal)) {
+      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps);
+      if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
+    }
+    if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
+      return cleaned.status();
+    }
+    if (absl::IsNotFound(cleaned.status())) break;
+    if (absl::IsResourceExhausted(cleaned.status())) steps = std::max<std::uint64_t>(steps / 2, 1);
+    if (!cleaned.ok() || !refusal.ok()) continue;
+    cleaned->report.found = as_read.found;
+    cleaned->report.open_edges = as_read.open_edges;
+    const bool is_closed = cleaned->report.open_edges_after == 0;
+    if (is_closed || (!best && !as_read.found.ok())) best = *std::move(cleaned);
     if (best && (is_closed || !to_close)) break;
   }
   return best;
 }
 
-// The surface with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
-// accepts that.
-std::optional<Prepared> Thinned(const Cleaner& cleaner, Prepared cleaned, double within) {
-  Report& report = cleaned.report;
-  if (!(within > 0)) return std::nullopt;
-  report.faces_read = CountOf<APolygon>(cleaned.geometry.features, Not<APoint, ASegment, ASize>);
-  const std::size_t dropped = Thin(within, report.tolerance, cleaned.geometry);
-  if (dropped == 0) return std::nullopt;
+// `prepared` with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
+// accepts that; else as it is.
+void MakeCoarser(double within, const io::GeometryOptions& reading, Prepared& prepared) {
+  if (!(within > 0)) return;
+  Report& report = prepared.report;
+  const double tolerance =
+      report.is_mended ? report.tolerance : LeastTolerance(prepared.geometry, within);
+  Geometry coarser = prepared.geometry;
+  const ThinningCounts counts = Thin(within, tolerance, coarser);
+  if (counts.dropped == 0) return;
+  io::JoinFacesInOnePlane(reading, coarser);
+  coarser.options.box = io::BoundingBox(coarser.features, 3);
+  if (!Refusal(coarser).ok()) return;
+  prepared.geometry = std::move(coarser);
   report.is_thinned = true;
-  report.faces = CountOf<APolygon>(cleaned.geometry.features, Not<APoint, ASegment, ASize>);
+  report.triangles_read = counts.before;
+  report.triangles = counts.after;
   report.farthest += within;
-  report.Add("point dropped", dropped);
-  Prepared joined = cleaner.Joined(std::move(cleaned));
-  if (!Refusal(joined.geometry).ok()) return std::nullopt;
-  return joined;
+  report.tolerance = tolerance;
+  report.Add("point dropped", counts.dropped);
 }
 
 // `prepared` with its holes filled, if a mesh accepts that; else as it is.
@@ -161,13 +159,12 @@ void Fill(double longest, const io::GeometryOptions& reading, Prepared& prepared
     // Its polygons may have several rings: they are cleaned as those of a file of facets.
     const Cleaner cleaner(filled, reading, /*is_surface=*/false, /*is_closed=*/false,
                           report.within - report.farthest);
-    absl::StatusOr<std::optional<Mended>> mended = Mend(cleaner, report, /*to_close=*/false);
+    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, report, /*to_close=*/false);
     if (!mended.ok() || !*mended) return;
-    Prepared& joined = (*mended)->joined;
-    filled = std::move(joined.geometry);
-    report.farthest += joined.report.farthest;
-    report.tolerance = std::max(report.tolerance, joined.report.tolerance);
-    for (const auto& change : joined.report.changes) report.changes.push_back(change);
+    filled = std::move((*mended)->geometry);
+    report.farthest += (*mended)->report.farthest;
+    report.tolerance = std::max(report.tolerance, (*mended)->report.tolerance);
+    for (const auto& change : (*mended)->report.changes) report.changes.push_back(change);
     report.unfilled = absl::OkStatus();
   }
   if (!report.unfilled.ok()) return;
@@ -199,20 +196,26 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     if (absl::Status status = CheckLength(flag, length); !status.ok()) return status;
   }
   const auto start = std::chrono::steady_clock::now();
-  const auto finish = [&](Prepared prepared) {
-    if (options.fill_holes && prepared.report.open_edges_after != 0) {
-      Fill(*options.fill_holes, reading, prepared);
-    }
-    if (prepared.report.open_edges_after != 0) {
-      prepared.report.open_loops = OpenLoopsOf(prepared.geometry.features);
-    }
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    prepared.report.seconds = seconds.count();
-    return prepared;
-  };
+  const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
+  const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const auto within_of = [&](const Geometry& geometry) {
     return options.within.value_or(kDefaultWithin *
                                    DiagonalOf(geometry.features, geometry.options.dimension));
+  };
+  const auto finish = [&](Prepared prepared) {
+    Report& report = prepared.report;
+    if (is_surface && !reading.keep_facets && (report.is_mended || report.found.ok())) {
+      // What fills holes may have to be mended, too.
+      const double left = report.within - report.farthest;
+      MakeCoarser(options.fill_holes ? left / 2 : left, reading, prepared);
+    }
+    if (options.fill_holes && report.open_edges_after != 0) {
+      Fill(*options.fill_holes, reading, prepared);
+    }
+    if (report.open_edges_after != 0) report.open_loops = OpenLoopsOf(prepared.geometry.features);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    report.seconds = seconds.count();
+    return prepared;
   };
   io::GeometryOptions how = reading;
   const bool may_be = MayBePrepared(path, options);
@@ -222,63 +225,36 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     if (!given.ok()) return given.status();
     return Prepared{*std::move(given), {}};
   }
-  const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
-  const bool is_surface = format != nullptr && format->Is(io::kSurface);
-  const bool may_be_thinned = is_surface && !reading.keep_facets;
   const absl::Status unread = given.status();
-  Prepared result;  // as it was read, at first
+  const bool given_ok = given.ok();
+  Prepared as_read;
   bool to_close = false;
   if (given.ok()) {
-    result.geometry = *std::move(given);
-    const Geometry& geometry = result.geometry;
+    as_read.geometry = *std::move(given);
+    const Geometry& geometry = as_read.geometry;
     const bool in_space = geometry.options.dimension == 3;
-    if (in_space && !is_surface && !options.within && !options.fill_holes) return result;
-    to_close = Describe(geometry, within_of(geometry), result.report);
-    const absl::Status& found = result.report.found;
-    if (found.ok() ? !to_close && !may_be_thinned : !IsOfFeatures(found)) {
-      return finish(std::move(result));
-    }
+    if (in_space && !is_surface && !options.within && !options.fill_holes) return as_read;
+    const double within = within_of(geometry);
+    to_close = Describe(geometry, within, as_read.report);
+    const absl::Status& found = as_read.report.found;
+    if (found.ok() ? !to_close : !IsOfFeatures(found)) return finish(std::move(as_read));
   } else {
-    result.report.found = unread;
+    as_read.report.found = unread;
   }
   how.faces = io::FaceRules::kAsTheyCome;
   absl::StatusOr<Geometry> raw = io::ReadGeometry(path, how);
-  if (!raw.ok() || !(within_of(*raw) > 0) || !ValidateOptions(raw->options).ok()) {
-    if (!unread.ok()) return unread;
-    return finish(std::move(result));
-  }
-  const double within = within_of(*raw);
-  const bool is_closed = unread.ok() && result.report.open_edges == 0;
-  const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
-  const bool is_accepted = unread.ok() && result.report.found.ok();
-  std::optional<Prepared> cleaned;  // of the result, before faces in one plane were joined
-  if (!is_accepted || to_close) {
-    absl::StatusOr<std::optional<Mended>> mended = Mend(cleaner, result.report, to_close);
+  if (raw.ok() && within_of(*raw) > 0 && ValidateOptions(raw->options).ok()) {
+    const double within = within_of(*raw);
+    const bool is_closed = given_ok && as_read.report.open_edges == 0;
+    const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
+    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));
     }
-    if (*mended) {
-      cleaned = std::move((*mended)->cleaned);
-      result = std::move((*mended)->joined);
-    } else if (!unread.ok()) {
-      return unread;
-    }
+    if (*mended) return finish(**std::move(mended));
   }
-  if (!may_be_thinned) return finish(std::move(result));
-  if (!cleaned && is_accepted) {
-    absl::StatusOr<Prepared> made = cleaner.Clean(cleaner.Tolerances().front(), 0, cleaner.Steps());
-    if (made.ok()) {
-      cleaned = *std::move(made);
-      cleaned->report.is_mended = false;
-      cleaned->report.open_edges = result.report.open_edges;
-    }
-  }
-  if (cleaned) {
-    // What fills holes may have to be mended, too.
-    const double left = (within - cleaned->report.farthest) * (options.fill_holes ? 0.5 : 1);
-    if (auto thinned = Thinned(cleaner, *std::move(cleaned), left)) result = *std::move(thinned);
-  }
-  return finish(std::move(result));
+  if (!unread.ok()) return unread;
+  return finish(std::move(as_read));
 }
 
 std::string TextOf(const Report& report) {
@@ -287,7 +263,7 @@ std::string TextOf(const Report& report) {
     text += Concat(text.empty() ? "" : ", ", count, " x ", what);
   }
   if (report.is_thinned) {
-    text += Concat(", ", report.faces_read, " faces became ", report.faces);
+    text += Concat(", ", report.triangles_read, " triangles became ", report.triangles);
   }
   if (report.is_mended || report.is_thinned) {
     text += absl::StrFormat("; at most %.2g from the input, tolerance %.2g", report.farthest,

@@ -1,17 +1,21 @@
-// Reads a file of geometry and makes of it what a mesh accepts. What a mesh accepts as it is read
-// stays so.
+// Reads a file of geometry and makes of it what a mesh accepts, and of a surface no more faces than
+// its shape needs.
 //
-// Else it is cleaned (client/cleaning), with the least of a few tolerances after which a mesh
-// accepts it: that of `import --clean`, or some roundings of a surface file's numbers if that is
-// more, then powers of ten up to the distance D. If a mesh refuses the result for an angle, what
-// meets at less than twice what it takes becomes one. Of an input without open edges, faces that it
-// was folded to and that enclose nothing go. Faces of a surface file are joined again after that.
+// What a mesh refuses is cleaned (client/cleaning), with the least of a few tolerances after which
+// a mesh accepts it: that of `import --clean`, or some roundings of a surface file's numbers if
+// that is more, then powers of ten up to the distance D. If a mesh refuses the result for an angle,
+// what meets at less than twice what it takes becomes one. Of an input without open edges, faces
+// that it was folded to and that enclose nothing go. Faces of a surface file are joined again after
+// that.
 //
 // A result that is farther than D from the input is not taken: each point of an edge or face of it
 // is within D of one of the input; in 3D the other way round, too (farthest.h). If no tolerance
 // helps, the input is as it was read, and `found` says why a mesh refuses it.
 //
 // Also of a surface with open edges: if some tolerance closes all of them within D, it is taken.
+//
+// Then corners of a surface file's faces are dropped where what is left of D allows it
+// (thinning.h), if a mesh accepts the result, and faces are not to be kept.
 //
 // Then holes are filled, if asked for: loops of open edges up to a length (open_loops.h). If a mesh
 // refuses what they are filled with, the surface is cleaned once more, with what is left of D. If
@@ -58,7 +62,8 @@ struct Report {
   double seconds = 0;
   // What was done: "points merged", and how often. Only what was done.
   std::vector<std::pair<std::string, std::size_t>> changes;
-  std::size_t faces_read = 0, faces = 0;  // if it is thinned: before that and after it, not joined
+  // If it is thinned: of all polygons, before that and after it.
+  std::size_t triangles_read = 0, triangles = 0;
 
   void Add(const char* what, std::size_t count) {
     if (count != 0) changes.emplace_back(what, count);

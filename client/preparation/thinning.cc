@@ -23,17 +23,18 @@ absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature
   return groups;
 }
 
-std::size_t Thin(double within, double tolerance, io::Geometry& geometry) {
+ThinningCounts Thin(double within, double tolerance, io::Geometry& geometry) {
   cleaning::FeatureEdgeOptions options;
   options.angle = kThinningAngle;
   options.within = within;
   options.tolerance = tolerance;
   options.groups = GroupsOf(geometry.features, *geometry.labels);
+  options.holes = false;
   auto kept = cleaning::KeepFeatureEdges(geometry.features, options);
-  if (!kept.ok() || kept->changes.empty()) return 0;
+  if (!kept.ok() || kept->changes.empty()) return {};
   geometry.features = std::move(kept->features);
   io::KeepPlacesOfParts(kept->parts, geometry);
-  return kept->changes.size();
+  return {kept->changes.size(), kept->triangles_before, kept->triangles};
 }
 
 }  // namespace dynmesh::preparation

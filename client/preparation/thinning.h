@@ -22,11 +22,16 @@ inline constexpr double kThinningAngle = 20;
 absl::flat_hash_map<FeatureId, std::uint32_t> GroupsOf(const std::vector<Feature>& features,
                                                        const io::FeatureLabels& labels);
 
+struct ThinningCounts {
+  std::size_t dropped = 0;            // corners; if none, nothing has changed
+  std::size_t before = 0, after = 0;  // triangles
+};
+
 // Drops corners of faces, so that each point of the new faces is within `within` of the old ones,
-// and the other way round. Returns how many corners; if none, nothing changes. Polygons keep
-// markers and names. REQUIRES: what cleaning made with this tolerance (CleanSurfaces);
-// `within` is positive. Expected O(n lg n).
-std::size_t Thin(double within, double tolerance, io::Geometry& geometry);
+// and the other way round. Faces become polygons of one ring each, triangles where they change;
+// they keep markers and names. What does not meet is `tolerance` apart, if it was.
+// REQUIRES: a mesh accepts the geometry; both lengths are positive. Expected O(n lg n).
+ThinningCounts Thin(double within, double tolerance, io::Geometry& geometry);
 
 }  // namespace dynmesh::preparation
 

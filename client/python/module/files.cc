@@ -56,8 +56,8 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   told["mended"] = report.is_mended;
   told["thinned"] = report.is_thinned;
   if (report.is_thinned) {
-    told["faces_read"] = report.faces_read;
-    told["faces"] = report.faces;
+    told["triangles_read"] = report.triangles_read;
+    told["triangles"] = report.triangles;
   }
   told["found"] = std::string(text::View(report.found.message()));
   told["within"] = report.within;
