@@ -143,7 +143,7 @@ void MakeCoarser(double within, const io::GeometryOptions& reading, Prepared& pr
   report.is_thinned = true;
   report.triangles_read = counts.before;
   report.triangles = counts.after;
-  report.farthest += within;
+  report.farthest = std::min(report.farthest + within, report.within);
   report.tolerance = tolerance;
   report.Add("point dropped", counts.dropped);
 }
