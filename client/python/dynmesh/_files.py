@@ -30,9 +30,9 @@ class FileInput:
     places: dict[int, str]
     #: What was left out of the file's content.
     warnings: list[str]
-    #: Of `read_surface`: "mended" (else the file is as it was read), "found" (what a mesh refuses of
-    #: it, or ""), "within", "tolerance", "farthest" (a bound of how far it moved, up to a factor of
-    #: 2), "open_edges_read", "open_edges", "open_loops" (those left, by ascending length: "points",
+    #: Of `read_surface`: "mended"; "thinned", with "triangles_read" and "triangles" (if neither, the
+    #: file is as it was read); "found" (what a mesh refuses of it, or ""), "within",
+    #: "tolerance", "farthest" (a bound of how far it moved, up to a factor of 2), "open_edges_read", "open_edges", "open_loops" (those left, by ascending length: "points",
     #: "length", "middle"), "unfilled" (what a mesh refuses of it with its holes filled, or ""),
     #: "seconds", and "changes", counts by kind.
     preparation: dict[str, Any] = field(default_factory=dict)
@@ -80,10 +80,10 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
                  keep_facets: bool = False) -> FileInput:
     """The features in a surface file or a map, mended where a mesh refuses them.
 
-    The same as the command `dynmesh mesh` does. A file that a mesh accepts is as `read_input` reads
-    it. Else what crosses, overlaps, nearly touches or is there twice is mended, with the least
-    tolerance that does, and cracks between open edges of a surface are closed. If nothing within
-    the distance helps, it is as it was read: a mesh refuses it.
+    The same as the command `dynmesh mesh` does. What crosses, overlaps, nearly touches or is there
+    twice is mended, with the least tolerance that does, and cracks between open edges of a surface
+    are closed. If nothing within the distance helps, it is as it was read: a mesh refuses it. Faces
+    of a surface that are finer than the distance needs become fewer.
 
     Raises `InvalidArgument` with file and line for bad content, and if nothing is left.
 
