@@ -42,15 +42,8 @@ bool HasEdges(const std::vector<Feature>& features) {
       features, [](const Feature& f) { return Is<ASegment, APolygon>(f, Not<APoint, ASize>); });
 }
 
-std::shared_ptr<const io::FeatureLabels> WithoutAttributes(const io::FeatureLabels& given) {
-  auto labels = std::make_shared<io::FeatureLabels>(given);
-  labels->attributes = 0;
-  labels->values.clear();
-  return labels;
-}
-
-}  // namespace
-
+// What cleaning begins with: the tolerance of `import --clean`, or some roundings of a surface
+// file's numbers if that is more.
 double LeastTolerance(const Geometry& geometry, double within) {
   const int dimension = geometry.options.dimension;
   const double limits =
@@ -59,6 +52,15 @@ double LeastTolerance(const Geometry& geometry, double within) {
   return std::max(limits * LeastDistance(geometry.options),
                   std::min(kRoundings * rounding, within / 2));
 }
+
+std::shared_ptr<const io::FeatureLabels> WithoutAttributes(const io::FeatureLabels& given) {
+  auto labels = std::make_shared<io::FeatureLabels>(given);
+  labels->attributes = 0;
+  labels->values.clear();
+  return labels;
+}
+
+}  // namespace
 
 Cleaner::Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surface, bool is_closed,
                  double within)

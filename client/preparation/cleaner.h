@@ -15,10 +15,6 @@
 
 namespace dynmesh::preparation {
 
-// The tolerance that cleaning of the geometry begins with: that of `import --clean`, or some
-// roundings of a surface file's numbers if that is more.
-double LeastTolerance(const io::Geometry& geometry, double within);
-
 // The geometry that a file has, as it is to be cleaned. Thread-compatible; const methods
 // thread-safe.
 class Cleaner {

@@ -9,11 +9,13 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "client/cleaning/clean_surfaces.h"
 #include "client/preparation/cleaner.h"
 #include "client/preparation/default_limit.h"
 #include "client/preparation/open_edges.h"
 #include "client/preparation/thinning.h"
 #include "core/base/feature_kinds.h"
+#include "core/base/rounding.h"
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
 #include "core/io/formats/prepare_surface.h"
@@ -29,6 +31,9 @@ using text::Concat;
 // In degrees. What meets at a lesser angle becomes one, in a surface that a mesh refuses for an
 // angle: twice what it takes at a corner.
 constexpr double kLeastAngle = 0.002;
+// Of fewer faces, what does not meet is so far apart, in roundings of the file's numbers: joining
+// moves corners by a few of them.
+constexpr double kRoundingsApart = 4;
 // Open loops that are told one by one.
 constexpr std::size_t kLoopsTold = 5;
 
@@ -131,8 +136,10 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
 void MakeCoarser(double within, const io::GeometryOptions& reading, Prepared& prepared) {
   if (!(within > 0)) return;
   Report& report = prepared.report;
-  const double tolerance =
-      report.is_mended ? report.tolerance : LeastTolerance(prepared.geometry, within);
+  const MeshOptions& mesh = prepared.geometry.options;
+  const double rounding = prepared.geometry.rounding.Of(LargestMagnitude(mesh.box, 3));
+  const double tolerance = std::max(cleaning::kDefaultSurfaceLimits * LeastDistance(mesh),
+                                    std::min(kRoundingsApart * rounding, within / 8));
   Geometry coarser = prepared.geometry;
   const ThinningCounts counts = Thin(within, tolerance, coarser);
   if (counts.dropped == 0) return;
@@ -144,7 +151,7 @@ void MakeCoarser(double within, const io::GeometryOptions& reading, Prepared& pr
   report.triangles_read = counts.before;
   report.triangles = counts.after;
   report.farthest = std::min(report.farthest + within, report.within);
-  report.tolerance = tolerance;
+  report.tolerance = std::max(report.tolerance, tolerance);
   report.Add("point dropped", counts.dropped);
 }
 
