@@ -98,14 +98,18 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Polygons of a map become polygon features, not segments");
 }
 
-void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
-  flags.prepare = flags.is_map_of_polygons = true;
+void AddMapFlags(CLI::App& command, InputFlags& flags) {
+  flags.is_map_of_polygons = true;
   CLI::Option* const polygons = command.get_option("--polygons");
   polygons->description("Polygons of a map become polygon features (the default)");
   command
       .add_flag("!--segments", flags.is_map_of_polygons,
                 "Polygons of a map become segments, not polygon features")
       ->excludes(polygons);
+}
+
+void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
+  flags.prepare = true;
   CLI::Option* const exact = command.add_flag(
       "!--exact", flags.prepare,
       "Refuse what a mesh refuses. Otherwise a surface, a map or a 2D .poly or .node that a mesh "

@@ -46,8 +46,9 @@ struct InputFlags : io::GeometryOptions {
 };
 // --keep-facets, --merge-coplanar, --coplanar-tolerance and --polygons.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
-// Of commands that make a mesh of a file, or compare them: --exact, --within, --fill-holes and
-// --segments.
+// Of commands that make a mesh of a file, or compare them: --segments, and polygons without it.
+void AddMapFlags(CLI::App& command, InputFlags& flags);
+// Of these and `load`: --exact, --within and --fill-holes.
 void AddPreparationFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of

@@ -61,7 +61,8 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
       .Add("open_loops", report.open_loops.size())
       .Add("prepare_seconds", report.seconds)
       .AddObject("changes", changes);
-  if (report.is_thinned) summary.Add("triangles_read", report.triangles_read).Add("triangles", report.triangles);
+  if (report.is_thinned)
+    summary.Add("triangles_read", report.triangles_read).Add("triangles", report.triangles);
   std::vector<JsonObject> loops;
   for (const preparation::OpenLoop& loop : report.open_loops) {
     if (loops.size() == kMostTold) break;
@@ -266,6 +267,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
                                    [command] { return Run(*command); });
   sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   AddInputFlags(*sub, command->reading);
+  AddMapFlags(*sub, command->reading);
   AddPreparationFlags(*sub, command->reading);
   sub->add_flag(
       "-r,--refine", command->reading.refine,

@@ -72,10 +72,10 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(options.dimension); ++k) {
     if (box->lo[k] != box->hi[k]) continue;
     const bool in_space = options.dimension == 3;
-    return absl::InvalidArgumentError(text::Concat(
-        "--box: ", text, " is empty, since both of its corners have the same ",
-        std::string(1, "xyz"[k]), "; a box is two corners, as ",
-        in_space ? "0,0,0,2,1,1" : "0,0,2,1", ", not a range for each axis"));
+    return absl::InvalidArgumentError(
+        text::Concat("--box: ", text, " is empty, since both of its corners have the same ",
+                     std::string(1, "xyz"[k]), "; a box is two corners, as ",
+                     in_space ? "0,0,0,2,1,1" : "0,0,2,1", ", not a range for each axis"));
   }
   options.box = *box;
   return absl::OkStatus();

@@ -245,6 +245,7 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                 "feature size, the radius of the least ball that meets two disjoint features")
       ->needs(input);
   AddInputFlags(*sub, command->reading);
+  AddMapFlags(*sub, command->reading);
   AddPreparationFlags(*sub, command->reading);
   sub->add_option("--rho", command->rho,
                   "The quality asked for (default: what the file says, else sqrt 2, in 3D 2)")

@@ -351,6 +351,26 @@ TEST_F(RemoteCommandsTest, AFileIsLoadedAsOneRevisionAndKept) {
   EXPECT_NE(of_nodes.out.find(Value(loaded.out, "hash")), std::string::npos) << of_nodes.out;
 }
 
+TEST_F(RemoteCommandsTest, ALoadPreparesItsInputAsMeshDoes) {
+  StartDaemon();
+  // Two tetrahedra that cross: four faces of each.
+  const std::string off = Write("crossed.off",
+                                "OFF\n8 8 0\n0 0 0\n4 0 0\n0 4 0\n0 0 4\n"
+                                "1 1 -1\n1.5 1 3\n1 1.5 3\n1.2 1.1 3\n"
+                                "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+                                "3 4 6 5\n3 4 5 7\n3 4 7 6\n3 5 6 7\n");
+  const Ran exact = Remote({"load", "m", off, "--create", "--exact"});
+  EXPECT_EQ(exact.code, kExitBadInput);
+  EXPECT_EQ(Value(Remote({"stats", "m", "--json"}).out, "revision"), "0");
+  const Ran loaded = Remote({"load", "m", off, "--json"});
+  ASSERT_EQ(loaded.code, kExitDone) << loaded.err;
+  EXPECT_NE(loaded.err.find("crossed.off: mended: "), std::string::npos) << loaded.err;
+  const std::string made = Path("m.vtu");
+  ASSERT_EQ(Remote({"export", "m", "-o", made}).code, kExitDone);
+  const Ran judged = RunDynmesh({"verify", made, "--input", off});
+  EXPECT_EQ(judged.code, kExitDone) << judged.out << judged.err;
+}
+
 TEST_F(RemoteCommandsTest, ALoadThatIsRefusedSaysWhere) {
   StartDaemon();
   const std::string header = "mesh dim=2 box=0,0,1,1 rho=1.5\n";

@@ -122,6 +122,7 @@ void RegisterLoadCommand(CLI::App& app, CommandSlot& slot) {
                   "Only if the mesh is at this revision")
       ->type_name("N");
   AddInputFlags(*sub, command->reading);
+  AddPreparationFlags(*sub, command->reading);
   AddServerFlags(*sub, command->server);
 }
 
