@@ -23,6 +23,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -69,6 +70,10 @@ class FacetAnchors {
   // Decides again the anchors that changes since the last propagation may affect. False if it was
   // interrupted: then the rest remains to be decided.
   bool Update(absl::FunctionRef<bool()> interrupt);
+  // How many lattice points were decided so far, and of how many features and facets distances were
+  // taken.
+  std::uint64_t decided() const { return decided_; }
+  std::uint64_t looked_at() const { return looked_at_; }
   // Removes the facet's anchors.
   void Remove(FacetIndex facet);
 
@@ -116,6 +121,8 @@ class FacetAnchors {
   const Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
   absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>> anchors_;
+  std::uint64_t decided_ = 0;
+  mutable std::uint64_t looked_at_ = 0;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -153,6 +160,7 @@ typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet
       near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
     };
     if (known != nullptr) {
+      looked_at_ += known->features.size() + known->facets.size();
       double feature2 = all2, edge2 = all2;
       for (const auto& [p, q, is_edge] : known->features) {
         double& least = is_edge ? edge2 : feature2;
@@ -171,6 +179,7 @@ typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet
         x, within2, {complex_.features.kNone, complex_.features.kNone},
         [](const Point&, double) { return true; },
         [&](const InputFeature<D>& f) {
+          ++looked_at_;
           const double d2 = geometry::SquaredDistance(x, f.p, f.q);
           if (!(d2 < within2)) return;
           if (AreDisjoint(facet, f)) {
@@ -235,6 +244,7 @@ typename FacetAnchors<D, E>::Known FacetAnchors<D, E>::Within(const Known& known
                                                               double distance) const {
   Known within;
   if constexpr (D == 3) {
+    looked_at_ += known.features.size() + known.facets.size();
     for (const auto& f : known.features) {
       const bool is = geometry::SquaredDistance(x, f.p, f.q) < distance * distance;
       if (is) within.features.push_back(f);
@@ -345,6 +355,7 @@ bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, doubl
                                        const Known* known) const {
   double within2 = radius * radius;
   if (known != nullptr) {
+    looked_at_ += known->features.size();
     return std::ranges::any_of(known->features, [&](const auto& f) {
       return f.is_edge && geometry::SquaredDistance(x, f.p, f.q) < within2;
     });
@@ -354,6 +365,7 @@ bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, doubl
       x, within2, {complex_.features.kNone, complex_.features.kNone},
       [](const Point&, double) { return true; },
       [&](const InputFeature<D>& f) {
+        ++looked_at_;
         if (has || !(geometry::SquaredDistance(x, f.p, f.q) < within2)) return;
         has = facet.HasEdge(f.a, f.b);
         if (has) within2 = 0;
@@ -444,6 +456,7 @@ bool FacetAnchors<D, E>::Decide(FacetIndex i, const FeatureChanged& feature_chan
 template <int D, template <class> class E>
 void FacetAnchors<D, E>::DecideAnchor(FacetIndex facet, const FacetLattice::Index& index,
                                       const Point& x, bool is) {
+  ++decided_;
   const auto of_facet = anchors_.find(facet);
   const bool was = of_facet != anchors_.end() && of_facet->second.contains(index);
   if (is == was) return;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "core/base/rounding.h"
@@ -292,6 +293,9 @@ bool FacetWork<D, E>::IsOutsideOfCell(const Star<D>& star, const Point& centre,
                                       const std::array<double, D>& half) const {
   if constexpr (D == 3) {
     const auto d = geometry::Difference(centre.c, star.position().c);
+    bool holds_vertex = true;
+    for (std::size_t k = 0; k < 3; ++k) holds_vertex &= std::fabs(d[k]) <= half[k];
+    if (holds_vertex) return false;
     const auto has_behind = [&](const typename Star<D>::Neighbour& u) {
       if (!Star<D>::IsUsed(u)) return false;
       double least = -0.5 * kWider * u.d2;  // minimum over the box
