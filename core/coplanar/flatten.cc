@@ -322,7 +322,7 @@ class Flattener {
         kMostStepsOfTurn,
         (kMostSteps - std::min(kMostSteps, steps_)) / (system.size() * kMostTurns)));
     const std::vector<Vector3> motions = system.Solve(enough, most_steps);
-    steps_ += system.size() * static_cast<std::size_t>(most_steps);
+    steps_ += system.taken();
     for (std::size_t i = 0; i < corners.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) positions_[corners[i]].c[k] += motions[i][k];
     }

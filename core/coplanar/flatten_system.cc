@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "core/base/union_find.h"
 
 namespace dynmesh::coplanar {
 
@@ -97,7 +100,79 @@ void FlattenSystem::Transpose(const std::vector<double>& heights,
   }
 }
 
+std::vector<std::vector<std::size_t>> FlattenSystem::Parts() const {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  UnionFind sets(patches_.size());
+  std::vector<std::size_t> first(weights_.size(), kNone);  // patch, by corner
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const Vector3& normal = patches_[p].normal;
+    for (std::size_t i = patches_[p].first; i < patches_[p].last; ++i) {
+      const Vector3& weight = weights_[corners_[i]];
+      const bool moves =
+          normal[0] * weight[0] != 0 || normal[1] * weight[1] != 0 || normal[2] * weight[2] != 0;
+      if (!moves) continue;
+      std::size_t& at = first[corners_[i]];
+      if (at == kNone) at = p;
+      sets.Unite(at, p);
+    }
+  }
+  std::vector<std::vector<std::size_t>> parts;
+  std::vector<std::size_t> part_of(patches_.size(), kNone);
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    std::size_t& part = part_of[sets.Find(p)];
+    if (part == kNone) {
+      part = parts.size();
+      parts.emplace_back();
+    }
+    parts[part].push_back(p);
+  }
+  return parts;
+}
+
+FlattenSystem FlattenSystem::PartOf(const std::vector<std::size_t>& patches,
+                                    std::vector<std::size_t>* corners) const {
+  corners->clear();
+  for (const std::size_t p : patches) {
+    corners->insert(corners->end(),
+                    corners_.begin() + static_cast<std::ptrdiff_t>(patches_[p].first),
+                    corners_.begin() + static_cast<std::ptrdiff_t>(patches_[p].last));
+  }
+  std::sort(corners->begin(), corners->end());
+  corners->erase(std::unique(corners->begin(), corners->end()), corners->end());
+  std::vector<Vector3> weights;
+  for (const std::size_t c : *corners) weights.push_back(weights_[c]);
+  FlattenSystem part(std::move(weights));
+  for (const std::size_t p : patches) {
+    Patch patch = patches_[p];
+    patch.first = part.corners_.size();
+    for (std::size_t i = patches_[p].first; i < patches_[p].last; ++i) {
+      const auto at = std::lower_bound(corners->begin(), corners->end(), corners_[i]);
+      part.corners_.push_back(static_cast<std::size_t>(at - corners->begin()));
+      part.heights_.push_back(heights_[i]);
+      part.linear_.push_back(linear_[i]);
+    }
+    patch.last = part.corners_.size();
+    part.patches_.push_back(patch);
+  }
+  return part;
+}
+
 std::vector<Vector3> FlattenSystem::Solve(double enough, int most_steps) {
+  std::vector<Vector3> motions(weights_.size(), Vector3{});
+  std::vector<std::size_t> corners;
+  for (const std::vector<std::size_t>& patches : Parts()) {
+    FlattenSystem part = PartOf(patches, &corners);
+    const std::vector<Vector3> of_part = part.SolvePart(enough, most_steps);
+    // A corner moves in one part at most.
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) motions[corners[i]][k] += of_part[i][k];
+    }
+    taken_ += part.taken_;
+  }
+  return motions;
+}
+
+std::vector<Vector3> FlattenSystem::SolvePart(double enough, int most_steps) {
   std::vector<double> rest = heights_;
   for (double& height : rest) height = -height;
   Project(rest);  // what is projected once stays so: gradients need no projection
@@ -111,6 +186,7 @@ std::vector<Vector3> FlattenSystem::Solve(double enough, int most_steps) {
     const bool is_enough = std::all_of(rest.begin(), rest.end(),
                                        [&](double height) { return std::abs(height) <= enough; });
     if (is_enough) break;
+    taken_ += corners_.size();
     Apply(way, step);
     const double length = SumOfSquares(step);
     if (!(length > 0)) break;

@@ -2,6 +2,10 @@
 // conjugate gradients on its normal equations. Without a solution the result is that of least
 // squares; of several it is the least motion, in units of the corners' roundings.
 //
+// Patches without a corner in common that can move do not depend on each other. Each set of patches
+// that depend on each other is solved by itself: most need few steps, and one without a solution
+// takes steps of its own corners only.
+//
 // Thread-compatible. O(corners) for a step.
 #ifndef DYNMESH_CORE_COPLANAR_FLATTEN_SYSTEM_H_
 #define DYNMESH_CORE_COPLANAR_FLATTEN_SYSTEM_H_
@@ -34,6 +38,8 @@ class FlattenSystem {
   std::vector<geometry::Vector3> Solve(double enough, int most_steps);
 
   std::size_t size() const { return corners_.size(); }
+  // How many steps of corners were taken so far.
+  std::size_t taken() const { return taken_; }
 
  private:
   struct Patch {
@@ -41,6 +47,13 @@ class FlattenSystem {
     geometry::Vector3 normal{};       // over the scale
     bool fixed = false;
   };
+
+  // The sets of patches that depend on each other, ascending.
+  std::vector<std::vector<std::size_t>> Parts() const;
+  // The system of these patches alone. corners[i]: here, of its corner i.
+  FlattenSystem PartOf(const std::vector<std::size_t>& patches,
+                       std::vector<std::size_t>* corners) const;
+  std::vector<geometry::Vector3> SolvePart(double enough, int most_steps);
 
   // Of values at corners of patches: without what is linear.
   void Project(std::vector<double>& values) const;
@@ -53,6 +66,7 @@ class FlattenSystem {
   std::vector<std::size_t> corners_;
   std::vector<double> heights_;
   std::vector<std::array<double, 3>> linear_;  // orthonormal in each patch
+  std::size_t taken_ = 0;
 };
 
 }  // namespace dynmesh::coplanar

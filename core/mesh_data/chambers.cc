@@ -48,14 +48,19 @@ class ChamberSearch {
         const std::size_t row = open.back();
         open.pop_back();
         for (std::size_t k = 0; k < kWidth; ++k) {
-          if (walls_.contains(SideOf(row, k))) continue;
           const Slot next = neighbours_[row * kWidth + k];
-          if (next == kNoSlot) {
-            is_outside = true;
-          } else if (auto& of = chambers.of[static_cast<std::size_t>(next)]; of == kNone) {
-            of = number;
-            open.push_back(static_cast<std::size_t>(next));
+          const bool is_border = next == kNoSlot;
+          // Most sides are of simplices that are known already. To look for a wall takes longer.
+          if (is_border ? is_outside : chambers.of[static_cast<std::size_t>(next)] != kNone) {
+            continue;
           }
+          if (IsWall(row, k)) continue;
+          if (is_border) {
+            is_outside = true;
+            continue;
+          }
+          chambers.of[static_cast<std::size_t>(next)] = number;
+          open.push_back(static_cast<std::size_t>(next));
         }
       }
       chambers.is_outside.push_back(is_outside);
@@ -88,6 +93,7 @@ class ChamberSearch {
     for (const RegionSet& set : mesh_.region_sets) {
       polygons.insert(set.polygons.begin(), set.polygons.end());
     }
+    is_at_wall_.assign(mesh_.vertices.size(), false);
     for (std::size_t i = 0; i < constraints.size(); ++i) {
       const auto key = KeyOf(constraints, i);
       const FeatureId owner = key.back();
@@ -95,6 +101,7 @@ class ChamberSearch {
       Side side;
       for (std::size_t k = 0; k < D; ++k) side[k] = number_of_.at(key[k]);
       std::sort(side.begin(), side.end());
+      for (const Slot v : side) is_at_wall_[static_cast<std::size_t>(v)] = true;
       walls_.emplace(side, polygons.contains(owner) ? Wall::kOfPolygon : Wall::kOfSegment);
     }
   }
@@ -114,6 +121,13 @@ class ChamberSearch {
     }
   }
 
+  bool IsWall(std::size_t row, std::size_t k) const {
+    for (std::size_t j = 0; j < kWidth; ++j) {
+      if (j != k && !is_at_wall_[static_cast<std::size_t>(cells_[row * kWidth + j])]) return false;
+    }
+    return walls_.contains(SideOf(row, k));
+  }
+
   // The side opposite to corner k.
   Side SideOf(std::size_t row, std::size_t k) const {
     Side side;
@@ -130,6 +144,7 @@ class ChamberSearch {
   absl::flat_hash_map<VertexId, Slot> number_of_;
   std::vector<Slot> cells_, neighbours_;
   absl::flat_hash_map<Side, Wall> walls_;
+  std::vector<bool> is_at_wall_;  // by vertex
 };
 
 // Predicates need 0 or magnitudes in their domain; what is in the mesh's box is not too large.

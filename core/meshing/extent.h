@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "core/geometry/point.h"
 
@@ -30,6 +31,14 @@ struct Extent {
   bool Contains(const geometry::Point<D>& p) const {
     for (int i = 0; i < D; ++i) {
       if (!(lo[i] <= p[i] && p[i] <= hi[i])) return false;
+    }
+    return true;
+  }
+  // The box about `centre` with half those sides.
+  bool MayMeet(const geometry::Point<D>& centre, const std::array<double, D>& half) const {
+    for (int i = 0; i < D; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (!(lo[k] <= centre[i] + half[k] && centre[i] - half[k] <= hi[k])) return false;
     }
     return true;
   }

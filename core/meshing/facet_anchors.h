@@ -12,17 +12,26 @@
 // 0.8 h / sqrt 2 and 0.8 h. This is a function of the features near x. So an edit decides again
 // only the points that it may affect. Like other anchors these stand outside the time of the trace
 // (anchors.h). They are on their facet as if refinement had put them there.
+//
+// For a new facet the features that may matter are found once. On the way down to small cells each
+// cell keeps those that may matter in it: a few, where the search from above, for each point, would
+// visit whatever is near, on the facet or not. After other changes few cells are decided again, and
+// features are searched for.
 #ifndef DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
 #define DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "core/base/rings.h"
 #include "core/base/rounding.h"
@@ -61,6 +70,10 @@ class FacetAnchors {
   // Decides again the anchors that changes since the last propagation may affect. False if it was
   // interrupted: then the rest remains to be decided.
   bool Update(absl::FunctionRef<bool()> interrupt);
+  // How many lattice points were decided so far, and of how many features and facets distances were
+  // taken.
+  std::uint64_t decided() const { return decided_; }
+  std::uint64_t looked_at() const { return looked_at_; }
   // Removes the facet's anchors.
   void Remove(FacetIndex facet);
 
@@ -71,18 +84,35 @@ class FacetAnchors {
   struct Surroundings {
     double feature, edge;  // distances
   };
+  // What may matter on a facet, or in a cell of its lattice.
+  struct Known {
+    struct Feature {
+      Point p, q;
+      bool is_edge;  // of the facet; others are disjoint from it
+    };
+    std::vector<Feature> features;
+    std::vector<const Facet*> facets;  // disjoint from it
+  };
   double Spacing() const;
-  Surroundings Around(const Facet& facet, const Point& x, double radius, double margin) const;
+  // `known`: has what matters at x; if null, it is searched for.
+  Surroundings Around(const Facet& facet, const Point& x, double radius, double margin,
+                      const Known* known) const;
+  Known KnownOf(const Facet& facet) const;
+  // What of it is within that distance of x.
+  Known Within(const Known& known, const Point& x, double distance) const;
   bool MayHaveAnchors(const Facet& facet) const;
+  // So few need not be fewer in smaller cells.
+  static constexpr std::size_t kFewKnown = 8;
   static bool IsWithinReach(const Facet& facet, const InputFeature<D>& f);
   static bool HasCornerOver(const Facet& facet, const Facet& other);
   static bool IsWithinReach(const Facet& facet, const Facet& other);
-  bool HasEdgeWithin(const Facet& facet, const Point& x, double radius) const;
-  bool IsAnchor(const Facet& facet, const FacetLattice& lattice, int level, const Point& x) const;
+  bool HasEdgeWithin(const Facet& facet, const Point& x, double radius, const Known* known) const;
+  bool IsAnchor(const Facet& facet, const FacetLattice& lattice, int level, const Point& x,
+                const Known* known) const;
   template <class FeatureChanged, class SizeChanged, class F>
   bool VisitLattice(const Facet& facet, const FacetLattice& lattice, const FacetLattice::Cell& cell,
                     const FeatureChanged& feature_changed, const SizeChanged& size_changed,
-                    F decide) const;
+                    const Known* known, F decide) const;
   template <class FeatureChanged, class SizeChanged>
   bool Decide(FacetIndex i, const FeatureChanged& feature_changed, const SizeChanged& size_changed,
               absl::FunctionRef<bool()> interrupt);
@@ -91,6 +121,8 @@ class FacetAnchors {
   const Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
   absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>> anchors_;
+  std::uint64_t decided_ = 0;
+  mutable std::uint64_t looked_at_ = 0;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -118,15 +150,36 @@ double FacetAnchors<D, E>::Spacing() const {
 template <int D, template <class> class E>
 typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet& facet,
                                                                      const Point& x, double radius,
-                                                                     double margin) const {
+                                                                     double margin,
+                                                                     const Known* known) const {
   Surroundings near{radius, radius};
   if constexpr (D == 3) {
     const double all2 = radius * radius;
+    const auto nearest = [&](double feature2, double edge2) {
+      near.edge = std::sqrt(edge2);
+      near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
+    };
+    if (known != nullptr) {
+      looked_at_ += known->features.size() + known->facets.size();
+      double feature2 = all2, edge2 = all2;
+      for (const auto& [p, q, is_edge] : known->features) {
+        double& least = is_edge ? edge2 : feature2;
+        least = std::min(least, geometry::SquaredDistance(x, p, q));
+      }
+      nearest(feature2, edge2);
+      for (const Facet* other : known->facets) {
+        if (other->where().MayMeet(x, near.feature) && other->IsOver(x, near.feature)) {
+          near.feature = std::fabs(other->plane().Height(x));
+        }
+      }
+      return near;
+    }
     double feature2 = all2, edge2 = all2, within2 = all2;
     complex_.features.VisitNear(
         x, within2, {complex_.features.kNone, complex_.features.kNone},
         [](const Point&, double) { return true; },
         [&](const InputFeature<D>& f) {
+          ++looked_at_;
           const double d2 = geometry::SquaredDistance(x, f.p, f.q);
           if (!(d2 < within2)) return;
           if (AreDisjoint(facet, f)) {
@@ -140,8 +193,7 @@ typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet
           const double of_edge = std::sqrt(edge2) + margin;
           within2 = std::min(all2, std::min(feature2, of_edge * of_edge) * kBarelyWider);
         });
-    near.edge = std::sqrt(edge2);
-    near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
+    nearest(feature2, edge2);
     // Corners are features, so few facets are nearer than the nearest feature.
     complex_.facets.ForEachNear(x, near.feature, [&](const Facet& other) {
       if (other.IsOver(x, near.feature) && AreDisjoint(facet.corners(), other.corners())) {
@@ -152,14 +204,66 @@ typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet
   return near;
 }
 
+// What is within reach of the facet.
+template <int D, template <class> class E>
+typename FacetAnchors<D, E>::Known FacetAnchors<D, E>::KnownOf(const Facet& facet) const {
+  Known known;
+  if constexpr (D == 3) {
+    const double reach = facet.reach() * kWider + 4 * complex_.rules.ulp();
+    const FacetExtent& where = facet.where();
+    Point middle;
+    double radius2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
+      const double half = 0.5 * (where.box.hi[k] - where.box.lo[k]) + reach;
+      radius2 += half * half;
+    }
+    radius2 *= kBarelyWider;
+    absl::flat_hash_set<std::pair<VertexIndex, VertexIndex>> seen;
+    complex_.features.VisitNear(
+        middle, radius2, {complex_.features.kNone, complex_.features.kNone},
+        [&](const Point& centre, double half) {
+          return where.MayMeet(centre, kCornerOfCube<3> * half * kBarelyWider + reach);
+        },
+        [&](const InputFeature<D>& f) {
+          const bool is_edge = facet.HasEdge(f.a, f.b);
+          if (!is_edge && !AreDisjoint(facet, f)) return;
+          if (seen.emplace(f.a, f.b).second) known.features.push_back({f.p, f.q, is_edge});
+        });
+    complex_.facets.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
+      if (where.AreWithin(other.where(), reach) && AreDisjoint(facet.corners(), other.corners())) {
+        known.facets.push_back(&other);
+      }
+    });
+  }
+  return known;
+}
+
+template <int D, template <class> class E>
+typename FacetAnchors<D, E>::Known FacetAnchors<D, E>::Within(const Known& known, const Point& x,
+                                                              double distance) const {
+  Known within;
+  if constexpr (D == 3) {
+    looked_at_ += known.features.size() + known.facets.size();
+    for (const auto& f : known.features) {
+      const bool is = geometry::SquaredDistance(x, f.p, f.q) < distance * distance;
+      if (is) within.features.push_back(f);
+    }
+    for (const Facet* facet : known.facets) {
+      if (facet->where().MayMeet(x, distance)) within.facets.push_back(facet);
+    }
+  }
+  return within;
+}
+
 template <int D, template <class> class E>
 bool FacetAnchors<D, E>::IsAnchor(const Facet& facet, const FacetLattice& lattice, int level,
-                                  const Point& x) const {
+                                  const Point& x, const Known* known) const {
   if constexpr (D == 3) {
     const double wider = lattice.Spacing(level - 1), target = complex_.sizing.LeastTarget(x, 0),
                  clear = kClearOfEdges * target;
     const double radius = std::min(facet.reach(), std::max(wider / Spacing(), clear * kWider));
-    const auto [feature, edge] = Around(facet, x, radius, 0);
+    const auto [feature, edge] = Around(facet, x, radius, 0, known);
     const bool for_feature = feature < std::min(edge, radius) && wider > Spacing() * feature,
                for_target = wider > kSpacingInTargets * target && edge > std::min(feature, clear);
     return (for_feature || for_target) &&
@@ -236,24 +340,32 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
         });
     // Edges of other facets are features. What remains is a corner over the inside of another
     // facet.
-    if (!may) {
-      complex_.facets.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
-        may = may || (AreDisjoint(facet.corners(), other.corners()) && HasCornerOver(facet, other));
-      });
-    }
-    return may;
+    return may || complex_.facets.AnyNear(middle, std::sqrt(radius2), kNothingHidden,
+                                          [&](const Facet& other) {
+                                            return where.AreWithin(other.where(), reach) &&
+                                                   HasCornerOver(facet, other) &&
+                                                   AreDisjoint(facet.corners(), other.corners());
+                                          });
   }
   return false;
 }
 
 template <int D, template <class> class E>
-bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double radius) const {
+bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double radius,
+                                       const Known* known) const {
   double within2 = radius * radius;
+  if (known != nullptr) {
+    looked_at_ += known->features.size();
+    return std::ranges::any_of(known->features, [&](const auto& f) {
+      return f.is_edge && geometry::SquaredDistance(x, f.p, f.q) < within2;
+    });
+  }
   bool has = false;
   complex_.features.VisitNear(
       x, within2, {complex_.features.kNone, complex_.features.kNone},
       [](const Point&, double) { return true; },
       [&](const InputFeature<D>& f) {
+        ++looked_at_;
         if (has || !(geometry::SquaredDistance(x, f.p, f.q) < within2)) return;
         has = facet.HasEdge(f.a, f.b);
         if (has) within2 = 0;
@@ -261,22 +373,23 @@ bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, doubl
   return has;
 }
 
-// Calls decide(index, point) until it returns false, for the points of the cell that may be
-// anchors, or may have been before a change. Returns false if decide did. The change: a feature at
-// distance feature_changed(x) from x, or sizes, where size_changed(x, radius) is the least changed
-// target in that ball. INFINITY: no such change. FacetIsNew in place of size_changed: all points
-// are decided. Conservative.
+// Calls decide(index, point, known there) until it returns false, for the points of the cell that
+// may be anchors, or may have been before a change. Returns false if decide did. The change: a
+// feature at distance feature_changed(x) from x, or sizes, where size_changed(x, radius) is the
+// least changed target in that ball. INFINITY: no such change. FacetIsNew in place of size_changed:
+// all points are decided. Conservative.
 template <int D, template <class> class E>
 template <class FeatureChanged, class SizeChanged, class F>
 bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
                                       const FacetLattice::Cell& cell,
                                       const FeatureChanged& feature_changed,
-                                      const SizeChanged& size_changed, F decide) const {
+                                      const SizeChanged& size_changed, const Known* known,
+                                      F decide) const {
   const Point middle = lattice.MiddleOf(cell);
   const double radius = lattice.RadiusOf(cell) + 4 * complex_.rules.ulp(), reach = facet.reach(),
                changed_feature = feature_changed(middle),
                changed_target = size_changed(middle, radius);
-  const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * kWider);
+  const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * kWider, known);
   // If another feature is nearer everywhere in the cell, the changed one has no effect.
   const bool is_concerned = changed_target < INFINITY || changed_feature <= feature + 2 * radius;
   if (!is_concerned && !std::is_same_v<SizeChanged, FacetIsNew>) return true;
@@ -287,21 +400,31 @@ bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& la
   if (!(clear < reach)) return true;
   if (facet.IsInside(middle)) {
     if (std::min(edge + radius, reach) < clear) return true;  // an edge is nearer everywhere
-  } else if (!HasEdgeWithin(facet, middle, radius)) {
+  } else if (!HasEdgeWithin(facet, middle, radius, known)) {
     return true;  // the cell holds nothing of the facet
+  }
+  // Let d be `feature`: of the nearest disjoint feature, or of an edge and 2 radius. At a place in
+  // the cell either is at most d + radius away. What is nearer there is within d + 2 radius of the
+  // middle.
+  Known in_cell;
+  if (known != nullptr && known->features.size() + known->facets.size() > kFewKnown) {
+    in_cell = Within(*known, middle, (feature + 2 * radius) * kWider + 4 * complex_.rules.ulp());
+    known = &in_cell;
   }
   if (clear > 0) {
     constexpr double kFew = 4;  // along a side
     const double least_spacing = std::min(Spacing() * least, kSpacingInTargets * target);
     const int finest = lattice.LevelOf(least_spacing * kBarelyNarrower);
     if (kFew * lattice.Spacing(finest) >= cell.side()) {
-      return lattice.ForEachIn(cell, finest, decide);
+      return lattice.ForEachIn(cell, finest, [&](const FacetLattice::Index& index, const Point& x) {
+        return decide(index, x, known);
+      });
     }
   }
   if (radius * radius < 64 * complex_.rules.least_squared_length()) return true;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     if (!VisitLattice(facet, lattice, FacetLattice::Child(cell, quadrant), feature_changed,
-                      size_changed, decide)) {
+                      size_changed, known, decide)) {
       return false;
     }
   }
@@ -317,10 +440,13 @@ bool FacetAnchors<D, E>::Decide(FacetIndex i, const FeatureChanged& feature_chan
   const Facet& facet = complex_.facets[i];
   const FacetLattice lattice(facet.plane());
   const Extent<3>& box = facet.where().box;
+  std::optional<Known> known;
+  if constexpr (std::is_same_v<SizeChanged, FacetIsNew>) known = KnownOf(facet);
   return lattice.ForEachCellOver({box.lo}, {box.hi}, [&](const FacetLattice::Cell& cell) {
     return VisitLattice(facet, lattice, cell, feature_changed, size_changed,
-                        [&](const FacetLattice::Index& index, const Point& x) {
-                          const bool is = IsAnchor(facet, lattice, index.level, x);
+                        known ? &*known : nullptr,
+                        [&](const FacetLattice::Index& index, const Point& x, const Known* near) {
+                          const bool is = IsAnchor(facet, lattice, index.level, x, near);
                           DecideAnchor(i, index, x, is);
                           return !interrupt();
                         });
@@ -330,6 +456,7 @@ bool FacetAnchors<D, E>::Decide(FacetIndex i, const FeatureChanged& feature_chan
 template <int D, template <class> class E>
 void FacetAnchors<D, E>::DecideAnchor(FacetIndex facet, const FacetLattice::Index& index,
                                       const Point& x, bool is) {
+  ++decided_;
   const auto of_facet = anchors_.find(facet);
   const bool was = of_facet != anchors_.end() && of_facet->second.contains(index);
   if (is == was) return;

@@ -40,6 +40,15 @@ struct FacetExtent {
     }
     return std::fabs(plane.Height(centre)) <= radius + margin;
   }
+  // May the facets have a distance of at most `distance`? Conservative: judges the boxes only.
+  bool AreWithin(const FacetExtent& other, double distance) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(box.lo[k] - distance <= other.box.hi[k] && other.box.lo[k] <= box.hi[k] + distance)) {
+        return false;
+      }
+    }
+    return true;
+  }
   // A lower bound of the distance from x to the facet.
   double LeastDistance(const geometry::Point3& x) const {
     double d2 = 0;

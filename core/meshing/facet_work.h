@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "core/base/rounding.h"
@@ -116,6 +117,10 @@ class FacetWork {
   // facet has that edge at a small angle and the turned point in the ball, which has no vertex
   // inside. `free`: the distance from the point to the ball's surface.
   bool MoveToLattice(const Point& centre, double radius, double free, Candidate<D>* point) const;
+  // The box of the cell's corners; all of space if one of them is not known well. A vertex on a
+  // surface has distant corners outside, mostly in one direction, and a ball that holds them has
+  // much of the surface. `far`: the distance of the farthest one that matters.
+  Extent<D> BoxOfCell(const Star<D>& star, double far) const;
   // True if a neighbour's bisector has the box behind it. Conservative: may return false
   // needlessly.
   bool IsOutsideOfCell(const Star<D>& star, const Point& centre,
@@ -127,6 +132,8 @@ class FacetWork {
 
   const Complex<D, E>& complex_;
   CellCut cut_;
+  // Of IsOutsideOfCell: what is behind a neighbour's bisector is mostly behind the last one's.
+  mutable std::size_t last_behind_ = 0;
   // Of LeavesWhole: places tried one after the other are mostly near the same facet.
   FeatureSlot last_met_ = kNil;
 };
@@ -157,8 +164,9 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
     const double far = std::min(std::sqrt(far2), star.reach()) * kWider;
     bool found = false, begun = false;
     std::optional<Counterpart> counterpart;  // of v, on the facet of the best point
+    const Extent<D> cell = BoxOfCell(star, far);
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
-      return IsOutsideOfCell(star, centre, half);
+      return !cell.MayMeet(centre, half) || IsOutsideOfCell(star, centre, half);
     };
     complex_.facets.ForEachNear(star.position(), far, is_hidden, [&](const Facet& facet) {
       if (complex_.IsOnFacet(star.vertex(), facet)) return;
@@ -261,18 +269,47 @@ bool FacetWork<D, E>::MoveToLattice(const Point& centre, double radius, double f
 }
 
 template <int D, template <class> class E>
+Extent<D> FacetWork<D, E>::BoxOfCell(const Star<D>& star, double far) const {
+  Extent<D> box = Extent<D>::Nothing();
+  if constexpr (D == 3) {
+    // The cell that CellCut clips by is larger by 2e-11. It begins with a square as wide as the
+    // reach, and rounds to that.
+    const double margin = 1e-9 * far + 1e-14 * star.reach() + 4 * complex_.rules.ulp();
+    for (int i = 0; i < star.corner_count(); ++i) {
+      const auto& corner = star.corner(i);
+      if (!(corner.error < star.reach())) {
+        box.lo.fill(-INFINITY);
+        box.hi.fill(INFINITY);
+        return box;
+      }
+      box.AddBall(CentreOf(star, i), corner.error + margin);
+    }
+  }
+  return box;
+}
+
+template <int D, template <class> class E>
 bool FacetWork<D, E>::IsOutsideOfCell(const Star<D>& star, const Point& centre,
                                       const std::array<double, D>& half) const {
   if constexpr (D == 3) {
     const auto d = geometry::Difference(centre.c, star.position().c);
-    return std::ranges::any_of(star.neighbours(), [&](const typename Star<D>::Neighbour& u) {
+    bool holds_vertex = true;
+    for (std::size_t k = 0; k < 3; ++k) holds_vertex &= std::fabs(d[k]) <= half[k];
+    if (holds_vertex) return false;
+    const auto has_behind = [&](const typename Star<D>::Neighbour& u) {
       if (!Star<D>::IsUsed(u)) return false;
       double least = -0.5 * kWider * u.d2;  // minimum over the box
       for (int k = 0; k < 3; ++k) {
         least += d[k] * u.d[k] - (half[k] + 4 * complex_.rules.ulp()) * std::fabs(u.d[k]);
       }
       return least > 0;
-    });
+    };
+    const auto& neighbours = star.neighbours();
+    if (last_behind_ < neighbours.size() && has_behind(neighbours[last_behind_])) return true;
+    const auto found = std::ranges::find_if(neighbours, has_behind);
+    if (found == neighbours.end()) return false;
+    last_behind_ = static_cast<std::size_t>(found - neighbours.begin());
+    return true;
   }
   return false;
 }
@@ -322,8 +359,9 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
     double far2 = 0;
     for (const auto& corner : star.corners()) far2 = std::max(far2, corner.r2);
     const double far = std::sqrt(far2) * kWider;
+    const Extent<D> cell = BoxOfCell(star, far);
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
-      return IsOutsideOfCell(star, centre, half);
+      return !cell.MayMeet(centre, half) || IsOutsideOfCell(star, centre, half);
     };
     const auto is_met = [&](const Facet& facet) {
       if (facet.feature() == on) return false;

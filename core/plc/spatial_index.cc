@@ -150,7 +150,8 @@ void SpatialIndex<D>::InsertThingAt(NodeIndex n, const Cell& cell, Slot slot) {
   }
   if (nodes_[n].children == 0) {
     InsertInOrder(ListOf<Thing>(nodes_[n]), slot);
-    SplitIfCrowded(n, cell);
+    // Thousands of large ones may be in a leaf: they are not counted again for each that comes.
+    if (Crowds(thing, cell)) SplitIfCrowded(n, cell);
   } else {
     thing.ForChildrenNear(cell, kCellReach, [&](int i) {
       InsertThingAt<Thing>(nodes_[n].children + i, cell.Child(i), slot);
@@ -205,21 +206,27 @@ typename SpatialIndex<D>::NodeIndex SpatialIndex<D>::AllocateChildren() {
   return block;
 }
 
+template <int D>
+template <typename Thing>
+bool SpatialIndex<D>::Crowds(const Thing& thing, const Cell& cell) {
+  constexpr double kMostCells = std::is_same_v<Thing, GridFacet> ? kMostCellsWide : kMostCellsLong;
+  return D == 2 || thing.Extent() <= kMostCells * static_cast<double>(cell.side);
+}
+
 // How many features of a leaf count towards splitting it.
 template <int D>
-std::size_t SpatialIndex<D>::CrowdIn(const Node& node, const Cell& cell) const {
+std::size_t SpatialIndex<D>::CrowdIn(const Node& node, const Cell& cell) {
   const std::size_t all = node.points.size() + node.loose.size();
   if constexpr (D == 2) {
     return all;
   } else {
     if (all + node.facets.size() == 0) return 0;
-    const auto count = [&](const std::vector<Slot>& slots, const auto& table, double most_cells) {
-      const double largest = most_cells * static_cast<double>(cell.side);
+    looked_at_ += node.loose.size() + node.facets.size();
+    const auto count = [&](const std::vector<Slot>& slots, const auto& table) {
       return static_cast<std::size_t>(std::count_if(
-          slots.begin(), slots.end(), [&](Slot s) { return table[s].Extent() <= largest; }));
+          slots.begin(), slots.end(), [&](Slot s) { return Crowds(table[s], cell); }));
     };
-    return node.points.size() + count(node.loose, segments_, kMostCellsLong) +
-           count(node.facets, facets_, kMostCellsWide);
+    return node.points.size() + count(node.loose, segments_) + count(node.facets, facets_);
   }
 }
 

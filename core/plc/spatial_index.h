@@ -93,6 +93,8 @@ class SpatialIndex {
            segments_.size() * sizeof(segments_[0]) + facets_.size() * sizeof(facets_[0]);
   }
   std::size_t node_count() const { return nodes_.size() - kChildren * free_blocks_.size(); }
+  // How many features of leaves were looked at so far, to find out which leaves are crowded.
+  std::uint64_t looked_at() const { return looked_at_; }
 
  private:
   using NodeIndex = std::uint32_t;
@@ -127,7 +129,10 @@ class SpatialIndex {
   void ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
   template <typename Thing>
   void EraseThingAt(NodeIndex n, const Cell& cell, Slot slot);
-  std::size_t CrowdIn(const Node& node, const Cell& cell) const;
+  // Does the feature count towards splitting a leaf of that cell?
+  template <typename Thing>
+  static bool Crowds(const Thing& thing, const Cell& cell);
+  std::size_t CrowdIn(const Node& node, const Cell& cell);
   void SplitIfCrowded(NodeIndex n, const Cell& cell);
   void MergeIfSparse(NodeIndex n, const Cell& cell);
   NodeIndex AllocateChildren();
@@ -145,6 +150,7 @@ class SpatialIndex {
   std::vector<Slot> free_segments_;
   LargeVector<GridFacet> facets_;
   std::vector<Slot> free_facets_;
+  std::uint64_t looked_at_ = 0;
 };
 
 }  // namespace dynmesh::plc

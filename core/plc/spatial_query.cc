@@ -1,6 +1,8 @@
 // Queries of a SpatialIndex.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/plc/spatial_index.h"
 
@@ -9,6 +11,27 @@ namespace {
 
 // Covers the error of positions in units, and closed cells.
 constexpr double kQueryReach = kCloseUnits + 1;
+
+// What a query of a long feature has visited in cells with many features. Long ones side by side
+// are together in many cells, and a pair of them takes much longer to judge than to leave out.
+class Visited {
+ public:
+  // Calls visit(slot) for those that have not been visited in such a cell. `count`: of all slots.
+  template <class Visit>
+  static void ForEachNew(const std::vector<Slot>& slots, std::size_t count,
+                         std::vector<bool>& visited, Visit visit) {
+    constexpr std::size_t kMany = 32;
+    const bool are_many = slots.size() > kMany;
+    if (are_many && visited.size() < count) visited.resize(count);
+    for (const Slot slot : slots) {
+      if (are_many && visited[slot]) continue;
+      if (are_many) visited[slot] = true;
+      visit(slot);
+    }
+  }
+
+  std::vector<bool> segments, facets;
+};
 
 }  // namespace
 
@@ -24,10 +47,15 @@ void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) c
   }
   *query.cost += node.points.size() + node.loose.size();
   for (const Slot slot : node.points) query.visit_point(points_[slot]);
-  for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
-  if constexpr (D == 3) {
+  if constexpr (D == 2) {
+    for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
+  } else {
     *query.cost += node.facets.size();
-    for (const Slot slot : node.facets) query.visit_facet(*facets_[slot].facet);
+    Visited& visited = query.visited;
+    Visited::ForEachNew(node.loose, segments_.size(), visited.segments,
+                        [&](Slot slot) { query.visit_segment(segments_[slot].feature); });
+    Visited::ForEachNew(node.facets, facets_.size(), visited.facets,
+                        [&](Slot slot) { query.visit_facet(*facets_[slot].facet); });
   }
   if (node.children == 0) return;
   query.ForChildrenNear(cell, [&](int i) { Visit(node.children + i, cell.Child(i), query); });
@@ -41,6 +69,7 @@ struct SpatialIndex<D>::PointQuery {
   VisitSegment visit_segment;
   VisitFacet visit_facet;
   std::uint64_t* cost;
+  mutable Visited visited = {};
 
   bool Enters(const Cell& cell) const {
     for (int axis = 0; axis < D; ++axis) {
@@ -81,6 +110,7 @@ struct SpatialIndex<D>::SegmentQuery {
   VisitSegment visit_segment;
   VisitFacet visit_facet;
   std::uint64_t* cost;
+  mutable Visited visited = {};
 
   bool Enters(const Cell& cell) const { return segment->Meets(cell, reach); }
   template <class F>
@@ -138,6 +168,7 @@ struct SpatialIndex<D>::FacetQuery {
   VisitSegment visit_segment;
   VisitFacet visit_facet;
   std::uint64_t* cost;
+  mutable Visited visited = {};
 
   bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, reach); }
   template <class F>

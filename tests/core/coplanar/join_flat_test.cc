@@ -14,6 +14,7 @@
 #include "core/coplanar/cut_face.h"
 #include "core/coplanar/facet_rings.h"
 #include "core/coplanar/flatten.h"
+#include "core/coplanar/flatten_system.h"
 #include "core/coplanar/lone_faces.h"
 #include "core/coplanar/needles.h"
 #include "core/coplanar/plane_fit.h"
@@ -123,6 +124,30 @@ TEST(Flatten, AnExactPlaneMovesWhereOthersNeedIt) {
   const std::vector<FaceRings> patches = {{{0, 1, 3, 2}}, {{2, 3, 5, 4}}};
   EXPECT_TRUE(Flatten(patches, Alike(7, 1e-6), at).empty());
   for (const FaceRings& patch : patches) EXPECT_LT(WorstHeight(patch, at), 1e-14);
+}
+
+// Patches of different slopes and a common corner that stays: each takes a step or two of its own
+// corners.
+TEST(Flatten, PatchesThatDoNotDependOnEachOtherAreSolvedApart) {
+  constexpr std::size_t kPatches = 200;
+  std::vector<Vector3> weights(1 + 3 * kPatches, Vector3{1, 1, 1});
+  weights[0] = {1, 1, 0};
+  FlattenSystem system(weights);
+  const auto off = [](std::size_t p) { return 1e-3 * static_cast<double>(p + 1); };
+  for (std::size_t p = 0; p < kPatches; ++p) {
+    const std::size_t c = 1 + 3 * p;
+    system.AddPatch({0, 0, 1},
+                    {{0, 0, 0, 0}, {c, 0, 1, 0}, {c + 1, 1, 0, 0}, {c + 2, 1, 1, off(p)}},
+                    1 + 0.1 * static_cast<double>(p), /*fixed=*/false);
+  }
+  const std::vector<Vector3> motions = system.Solve(1e-12, 400);
+  for (std::size_t p = 0; p < kPatches; ++p) {
+    const std::size_t c = 1 + 3 * p;
+    EXPECT_NEAR(motions[c + 2][2] + off(p), motions[c][2] + motions[c + 1][2], 1e-11);
+    EXPECT_NEAR(motions[c][2], off(p) / 3, 1e-11);  // they move least
+  }
+  EXPECT_EQ(motions[0], (Vector3{0, 0, 0}));
+  EXPECT_LE(system.taken(), 3 * system.size());
 }
 
 // ---- faces

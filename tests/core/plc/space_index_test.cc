@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/constructions.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/plc.h"
 #include "core/plc/spatial_index.h"
@@ -239,6 +240,57 @@ TEST(SpaceCost, LargePlatesAreTheirNumberNearby) {
     EXPECT_LT(cost, 60u);
     EXPECT_LT(plc.index().node_count(), 10'000u);
   }
+}
+
+// A fan: needles from one corner to a fine rim, aslant, so that each one's box holds much of the
+// fan. Cells at the rim hold needles near them only, and a needle that comes does not look at all
+// that are in its cells already.
+TEST(SpaceCost, OfAFanOfNeedlesIsThatOfWhatIsNear) {
+  std::vector<double> looked_at, visited;
+  double seen_by_one = 0;  // segments that a needle visits, of the last fan
+  for (const int n : {250, 1000}) {
+    const CellGrid<3> grid(Cube(0, 1).box, CloseLimit(Cube(0, 1)));
+    SpatialIndex<3> index(grid);
+    const Point3 apex{{0.1, 0.11, 0.12}};
+    const auto rim = [&](int i) {
+      const double t = 0.3 * i / n;
+      return Point3{{0.9 - 0.9 * t, 0.5 + t, 0.4 + 0.7 * t}};
+    };
+    for (int i = 0; i <= n; ++i) index.Insert(PointFeature<3>{FeatureId(i) + 2, rim(i)});
+    index.Insert(PointFeature<3>{1, apex});
+    for (int i = 0; i <= n; ++i) {
+      index.Insert(SegmentFeature<3>{FeatureId(i) + 10'000, 1, FeatureId(i) + 2, apex, rim(i)});
+    }
+    std::vector<Facet> needles;
+    for (int i = 0; i < n; ++i) {
+      const FeatureId first = FeatureId(i) + 2;
+      needles.emplace_back(FacetFeature{
+          FeatureId(i) + 20'000, {{1, first, first + 1}}, {{apex, rim(i), rim(i + 1)}}});
+      index.Insert(needles.back());
+    }
+    looked_at.push_back(static_cast<double>(index.looked_at()) / n);
+    // Beside the middle of each rim edge.
+    std::uint64_t cost = 0;
+    for (int i = 0; i < n; ++i) {
+      const auto ignore = [](const auto&) {};
+      const Point3 a = rim(i), b = rim(i + 1);
+      index.QueryNear(geometry::Midpoint(a, b), ignore, ignore, ignore, &cost);
+    }
+    visited.push_back(static_cast<double>(cost) / n);
+    std::uint64_t seen = 0;
+    for (const Facet& needle : needles) {
+      const auto ignore = [](const auto&) {};
+      index.QueryNear(
+          needle, ignore, [&](const SegmentFeature<3>&) { ++seen; }, ignore, &cost);
+    }
+    seen_by_one = static_cast<double>(seen) / n;
+    std::cout << n << " needles: " << looked_at.back() << " looked at per needle, "
+              << visited.back() << " visited per point; a needle visits " << seen_by_one
+              << " segments\n";
+  }
+  EXPECT_LT(seen_by_one, 1200);  // all meet at the apex
+  EXPECT_LT(looked_at[1], 2 * looked_at[0]);
+  EXPECT_LT(visited[1], 1.5 * visited[0]);
 }
 
 }  // namespace
