@@ -36,6 +36,17 @@ class DolfinxMesh:
     cells: Array  #: For each cell of the mesh the number of the part's.
 
 
+@dataclass(frozen=True)
+class DmplexMesh:
+    """A part for PETSc: points of the mesh are cells first, then vertices, then edges and faces."""
+
+    #: A `petsc4py.PETSc.DMPlex` of this process alone. Its cell `i` is the part's. Its labels "Cell
+    #: Sets" and "Face Sets" are the markers of cells and facets other than 0, as PETSc reads files.
+    dm: Any
+    vertices: range  #: The points of the part's vertices, in their order.
+    facets: Array  #: For each facet of the part its point.
+
+
 def to_skfem(part: Part) -> SkfemArrays:
     """The part as arrays for scikit-fem, which is not needed for that. O(part).
 
@@ -99,6 +110,39 @@ def to_dolfinx(part: Part) -> DolfinxMesh:
     facet_tags = dolfinx.mesh.meshtags(mesh, d - 1, marked[rank].astype(np.int32),
                                        part.facet_markers[first[rank]].astype(np.int32))
     return DolfinxMesh(mesh, cell_tags, facet_tags, nodes, cells)
+
+
+def to_dmplex(part: Part) -> DmplexMesh:
+    """The part as a `DMPlex` of PETSc, with its edges and faces, and markers as labels. O(part).
+
+    For petsc4py 3.18, Debian's. `found.dm.getStratumIS("Face Sets", 7)` are the facets of features
+    with marker 7. The two sides of what is opened are different facets, both with the feature's
+    marker. Raises `ModuleNotFoundError` where petsc4py is not installed, and `FailedPrecondition`
+    for a part without cells.
+    """
+    from petsc4py import PETSc
+
+    if not len(part.cells):
+        raise FailedPrecondition("the part has no cells, and a DMPlex needs some")
+    dm = PETSc.DMPlex().createFromCellList(
+        part.mesh.dimension, part.cells.astype(PETSc.IntType), part.points, interpolate=True,
+        comm=PETSc.COMM_SELF)
+    count = len(part.cells)
+    joined = part.facets + count
+    if part.mesh.dimension == 3:  # a face is where its edges meet
+        joined = np.array([[dm.getJoin([a, b])[0], dm.getJoin([b, c])[0]]
+                           for a, b, c in joined.tolist()], np.int64)
+    facets = np.array([dm.getJoin(pair)[0] for pair in joined.tolist()], np.int64)
+    regions = _labels_of_regions(part)
+    dm.createLabel("Cell Sets")
+    for cell, region in enumerate(part.cell_regions.tolist()):
+        if regions[region].marker:
+            dm.setLabelValue("Cell Sets", cell, regions[region].marker)
+    dm.createLabel("Face Sets")
+    for facet, marker in zip(facets.tolist(), part.facet_markers.tolist()):
+        if marker:
+            dm.setLabelValue("Face Sets", facet, marker)
+    return DmplexMesh(dm, range(count, count + len(part.points)), facets)
 
 
 def _rows_in(table: Array, rows: Array) -> Array:
