@@ -28,13 +28,17 @@ class SharedPart {
   absl::Status Update(SharedMesh& mesh, const std::vector<const MeshDiff*>& diffs) {
     const MutexLock mesh_lock(mesh.mutex());
     const MutexLock lock(mutex_);
+    const std::size_t vertices = part_.vertex_slots().size(), cells = part_.cell_slots().size(),
+                      facets = part_.facet_owners().size(), slots = part_.vertex_numbers().size(),
+                      cell_slots = part_.cell_numbers().size();
     if (absl::Status s = part_.Update(mesh.replica(), diffs); !s.ok()) return s;
     const MeshPart::Changes& changes = part_.changes();
-    Add(vertex_log_, changes.is_all, changes.vertices, part_.vertex_slots().size());
-    Add(cell_log_, changes.is_all, changes.cells, part_.cell_slots().size());
-    Add(facet_log_, changes.is_all, changes.facets, part_.facet_owners().size());
-    Add(vertex_number_log_, changes.is_all, changes.vertex_slots, part_.vertex_numbers().size());
-    Add(cell_number_log_, changes.is_all, changes.cell_slots, part_.cell_numbers().size());
+    const bool all = changes.is_all;
+    Add(vertex_log_, all, changes.vertices, vertices, part_.vertex_slots().size());
+    Add(cell_log_, all, changes.cells, cells, part_.cell_slots().size());
+    Add(facet_log_, all, changes.facets, facets, part_.facet_owners().size());
+    Add(vertex_number_log_, all, changes.vertex_slots, slots, part_.vertex_numbers().size());
+    Add(cell_number_log_, all, changes.cell_slots, cell_slots, part_.cell_numbers().size());
     points_.DropOld(vertex_log_), vertex_slots_.DropOld(vertex_log_);
     origin_.DropOld(vertex_log_), facet_twins_.DropOld(facet_log_);
     cells_.DropOld(cell_log_), cell_slots_.DropOld(cell_log_), regions_.DropOld(cell_log_);
@@ -102,9 +106,11 @@ class SharedPart {
   }
   std::size_t Width(int more) const { return static_cast<std::size_t>(dimension_ + more); }
 
-  static void Add(RowLog& log, bool is_all, const std::vector<std::int32_t>& rows,
+  static void Add(RowLog& log, bool is_all, std::vector<std::int32_t> rows, std::size_t former,
                   std::size_t size) {
-    is_all ? log.AddUnknown() : log.Add(rows, size / 4 + 64);
+    // The last rows may have gone, and no other row have changed: that is a change, too.
+    if (rows.empty() && size != former) rows.push_back(0);
+    is_all ? log.AddUnknown() : log.Add(std::move(rows), size / 4 + 64);
   }
 
   template <class T>
