@@ -25,6 +25,7 @@ from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
 from dynmesh._solvers import DmplexMesh, DolfinxMesh, SkfemArrays, to_dmplex, to_dolfinx, to_skfem
 from dynmesh._types import Label
+from dynmesh._write import Writable
 from dynmesh.errors import (
     AlreadyExists,
     Cancelled,
@@ -76,6 +77,7 @@ __all__ = [
     "StaleDiff",
     "Unavailable",
     "VersionMismatch",
+    "Writable",
     "connect",
     "open",
     "read_input",
