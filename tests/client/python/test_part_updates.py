@@ -25,21 +25,21 @@ def in_order(rows):
 
 def content(part):
     """All that a part has, in an order that does not depend on its numbers."""
-    who = identities(part)
+    identity = identities(part)
     cells = np.argsort(part.cell_slots)
-    vertices = in_order(who)
+    vertices = in_order(identity)
     # Facets by their cells and corners; the twins as rows of the same. Within the part either cell
     # may be the first.
     corners = np.take_along_axis(part.facets, np.argsort(part.vertex_slots[part.facets], axis=1), 1)
-    corners = who[corners].reshape(len(part.facets), -1)
+    corners = identity[corners].reshape(len(part.facets), -1)
     beside = part._part.facet_cells  # slots
     beside = np.where(beside[:, 1:] >= 0, np.sort(beside, axis=1), beside)
     facets = np.column_stack([corners, beside, part.facet_owners.astype(np.int64),
                               part.facet_markers, part.facet_sides])
     twins = np.where((part.facet_twins >= 0)[:, None], facets[part.facet_twins], -1)
     order = in_order(facets)
-    return {"cells": np.column_stack([part.cell_slots, who[part.cells].reshape(len(cells), -1)])[cells],
-            "regions": part.cell_regions[cells], "vertices": who[vertices],
+    return {"cells": np.column_stack([part.cell_slots, identity[part.cells].reshape(len(cells), -1)])[cells],
+            "regions": part.cell_regions[cells], "vertices": identity[vertices],
             "points": part.points[vertices], "origin": part.vertex_slots[part.origin][vertices],
             "facets": facets[order], "twins": twins[order], "names": part.facet_names[order]}
 
