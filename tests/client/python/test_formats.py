@@ -55,7 +55,7 @@ def by_marker(read, kind, key):
     found = {}
     for block, markers in zip(read.cells, read.cell_data[key]):
         if block.type == kind:
-            each, markers = sizes(read.points, block.data), np.ravel(markers)
+            each = sizes(read.points, block.data)
             for marker in np.unique(markers).tolist():
                 found[marker] = found.get(marker, 0) + each[markers == marker].sum()
     return found
