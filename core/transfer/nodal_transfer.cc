@@ -183,11 +183,12 @@ void NodalTransfer<D>::FindParts() {
   const auto part_of = [&](RegionId region) {
     const auto it = changed.find(region);
     if (exchange_.group_count() > 1 && it != changed.end() && it->second == 0) {
-      if (others == SlotIndex::kNone) others = part_count_++;
+      if (others == SlotIndex::kNone) others = part_count_++, part_regions_.push_back(region);
+      part_regions_[others] = std::min(part_regions_[others], region);
       return others;
     }
     const auto [part, is_new] = parts.try_emplace(region, part_count_);
-    part_count_ += is_new;
+    if (is_new) ++part_count_, part_regions_.push_back(region);
     return part->second;
   };
   for (const auto& simplex : overlay_.from) parts_from_.push_back(part_of(simplex.region));
@@ -225,7 +226,7 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
     for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
       missing[parts_to_[j]].Add(-overlay_.to[j].measure * mean(patch_.cells[j].corners));
     }
-    for (const Share& share : shares_)
+    for (const PartShare& share : shares_)
       missing[share.part].Add(-share.amount * change[share.vertex]);
     std::vector<double> values;
     for (const Sum& sum : missing) values.push_back(sum.value());
@@ -234,7 +235,7 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
   std::vector<double> by_vertex(patch_.free_count);
   const auto spread = [&](const std::vector<double>& factors) {
     std::fill(by_vertex.begin(), by_vertex.end(), 0.0);
-    for (const Share& s : shares_) by_vertex[s.vertex] += s.amount * factors[s.part];
+    for (const PartShare& s : shares_) by_vertex[s.vertex] += s.amount * factors[s.part];
     for (std::size_t v = 0; v < by_vertex.size(); ++v) {
       by_vertex[v] = patch_.lumped[v] > 0 ? by_vertex[v] / patch_.lumped[v] : 0;
     }
@@ -252,7 +253,7 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
     for (std::uint32_t step = 0; step < 2 * part_count_ + 10 && rr > enough; ++step) {
       spread(p);
       std::fill(ap.begin(), ap.end(), 0.0);
-      for (const Share& s : shares_) ap[s.part] += s.amount * by_vertex[s.vertex];
+      for (const PartShare& s : shares_) ap[s.part] += s.amount * by_vertex[s.vertex];
       const double pap = dot(p, ap);
       if (!(pap > 0)) break;
       for (std::size_t k = 0; k < x.size(); ++k) {
@@ -268,7 +269,8 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
 }
 
 template <std::size_t D>
-std::vector<double> NodalTransfer<D>::Values(std::span<double> old, bool bounded) const {
+std::vector<double> NodalTransfer<D>::Values(std::span<double> old, bool bounded,
+                                             std::vector<Flow>& flows) const {
   // A reference: the old value of least magnitude.
   double reference = 0;
   bool any = false;
@@ -302,7 +304,13 @@ std::vector<double> NodalTransfer<D>::Values(std::span<double> old, bool bounded
     for (std::size_t v = 0; v < sources_.size(); ++v) {
       if (!is_added_[v]) range.Hold(old[v]);
     }
-    Clamp(range, patch_.lumped, 0, result);
+    if (part_count_ == 1) {
+      Clamp(range, patch_.lumped, 0, result);
+      return result;
+    }
+    for (const PartFlow& flow : ClampInParts(range, shares_, part_count_, patch_.lumped, result)) {
+      flows.push_back({part_regions_[flow.from], part_regions_[flow.to], flow.amount});
+    }
   }
   return result;
 }

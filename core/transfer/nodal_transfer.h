@@ -20,6 +20,7 @@
 #include "core/transfer/exchange.h"
 #include "core/transfer/nodal_patch.h"
 #include "core/transfer/overlay.h"
+#include "core/transfer/region_bounds.h"
 
 namespace dynmesh::transfer {
 
@@ -38,8 +39,14 @@ class NodalTransfer {
     return std::span<const Slot>(patch_.vertices).first(patch_.free_count);
   }
 
-  // `old` is in the order of sources(); values of added vertices are overwritten.
-  std::vector<double> Values(std::span<double> old, bool bounded) const;
+  // `old` is in the order of sources(); values of added vertices are overwritten. Adds to `flows`
+  // what bounds moved between regions, by their ids. Regions with changed shapes are one, by the
+  // least id.
+  struct Flow {
+    RegionId from, to;
+    double amount;
+  };
+  std::vector<double> Values(std::span<double> old, bool bounded, std::vector<Flow>& flows) const;
 
   // The corners of old simplex i as sources.
   const std::array<std::uint32_t, D + 1>& corners(std::size_t i) const { return old_corners_[i]; }
@@ -55,11 +62,6 @@ class NodalTransfer {
   struct Coupling {
     std::array<std::uint32_t, D + 1> corners;
     double unit;
-  };
-
-  struct Share {  // the share of a free vertex's hat function in a part
-    std::uint32_t vertex, part;
-    double amount;
   };
 
   void FindParts();
@@ -80,7 +82,8 @@ class NodalTransfer {
   std::vector<Coupling> couplings_;  // of cells with two free corners or more
   std::uint32_t part_count_ = 0;
   std::vector<std::uint32_t> parts_from_, parts_to_;  // of the overlay's simplices
-  std::vector<Share> shares_;                         // empty if there is one part only
+  std::vector<PartShare> shares_;                     // empty if there is one part only
+  std::vector<RegionId> part_regions_;                // the least of each part
 };
 
 }  // namespace dynmesh::transfer

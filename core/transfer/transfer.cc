@@ -293,11 +293,16 @@ class Transfer::ImplOf final : public Transfer::Impl {
       nodes_.emplace(mesh_, overlay_, exchange_, options.rings);
       rings_ = options.rings;
     }
+    std::vector<typename transfer::NodalTransfer<D>::Flow> by_bounds;
     return CarryAll(
         options, {nodes_->sources(), 1}, {nodes_->results(), 1},
         [&](std::size_t i) { return nodes_->is_added(i); }, density, field,
-        [&](std::vector<double>& old) { return nodes_->Values(old, options.bounded); },
+        [&](std::vector<double>& old) {
+          by_bounds.clear();
+          return nodes_->Values(old, options.bounded, by_bounds);
+        },
         [&](const std::vector<double>& old, const auto& add) {
+          for (const auto& flow : by_bounds) add(flow.from, flow.to, flow.amount);
           std::vector<double> at_corners;
           for (std::size_t i = 0; i < overlay_.from.size(); ++i) {
             for (const std::uint32_t corner : nodes_->corners(i)) at_corners.push_back(old[corner]);

@@ -23,8 +23,9 @@ from dynmesh._mesh import CompactMesh, Mesh
 from dynmesh._part import Part
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
-from dynmesh._solvers import DolfinxMesh, SkfemArrays, to_dolfinx, to_skfem
+from dynmesh._solvers import DmplexMesh, DolfinxMesh, SkfemArrays, to_dmplex, to_dolfinx, to_skfem
 from dynmesh._types import Label
+from dynmesh._write import Writable
 from dynmesh.errors import (
     AlreadyExists,
     Cancelled,
@@ -53,6 +54,7 @@ __all__ = [
     "DataLoss",
     "DeadlineExceeded",
     "Diff",
+    "DmplexMesh",
     "DolfinxMesh",
     "DynmeshError",
     "FailedPrecondition",
@@ -75,10 +77,12 @@ __all__ = [
     "StaleDiff",
     "Unavailable",
     "VersionMismatch",
+    "Writable",
     "connect",
     "open",
     "read_input",
     "read_surface",
+    "to_dmplex",
     "to_dolfinx",
     "to_skfem",
 ]

@@ -59,7 +59,7 @@ class Pieces:
 
 @dataclass(frozen=True)
 class RegionFlow:
-    """Mass that changed its region because the edit changed the shape of regions."""
+    """Mass that changed its region: the edit changed their shapes, or `bounded` left no room."""
 
     old: int  #: The old region.
     new: int  #: The new region.
@@ -162,8 +162,9 @@ class Diff:
                 cell. "overlap": each new cell gets the row, of any dtype, of the old cell with the
                 largest intersection. A function: called with `u` and `Pieces`, returns the rows of
                 `patch.added_cells`.
-            bounded: keeps all values in the range of the old ones in the patch. With P1 the regions
-                of the patch then keep the sum of their integrals, not each its own.
+            bounded: keeps all values in the range of the old ones in the patch. With P1 each region
+                keeps its integral if values in that range can; `flows` has what changed sides where
+                they cannot. Without it, P1 overshoots at fronts, by 18 % of a jump in one edit.
             order: of P0: 1, or 2 with limited gradients.
             rings: of P1: number of rings of vertices around the patch that may change.
             inplace: writes the result to `u`, a C-contiguous float64 array with a row for every

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import threading
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ from dynmesh._diff import Diff
 from dynmesh._fields import Fields
 from dynmesh._join import apply_joined
 from dynmesh._part import Ids, IdsOrNames, Part
+from dynmesh._write import Writable
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class CompactMesh:
     cell_numbers: Array  #: The cell number of each slot; -1 if the slot is free.
 
 
-class Mesh:
+class Mesh(Writable):
     """A mesh as numpy arrays with stable slots. Made by `Server.mesh` or `dynmesh.open`.
 
     Arrays are read-only and never change: get them again after an edit. That takes time for the
@@ -391,27 +391,8 @@ class Mesh:
         with self._edits:
             return self._backend.locate(self, places)
 
-    def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, msh_version: float = 4.1,
-              from_zero: bool = False, neighbours: bool = False, voronoi: bool = False) -> None:
-        """Writes the whole mesh to a file, as the command does. `Part.write` writes a part.
-
-        Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
-        .face beside it), .svg (a picture); of a quadtree .csv, .vtu and .svg. Markers of features
-        are those of edges and faces, names are groups. Either the files are complete, or the former
-        ones stay. Raises `InvalidArgument` for another extension, `Unavailable` if a file cannot be
-        written.
-
-        Args:
-            path: the file; its extension says which format it has.
-            order: of the elements: 1, or 2 with a node in the middle of each edge.
-            msh_version: of a .msh: 4.1, or 2.2 for programs that read no other.
-            from_zero: a .node and the files beside it are numbered from 0, not 1.
-            neighbours: with a .node, the neighbours of cells as .neigh.
-            voronoi: with a .node, the Voronoi diagram.
-        """
-        self._replica.write(self._options, os.fspath(path), dict(
-            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours,
-            voronoi=voronoi))
+    def _write(self, path: str, choices: dict[str, Any]) -> None:
+        self._replica.write(self._options, path, choices)
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:

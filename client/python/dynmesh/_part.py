@@ -1,7 +1,6 @@
 """The part of a mesh in chosen polygons: the domain of a simulation."""
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Optional, Union
@@ -14,6 +13,7 @@ from dynmesh._diff import Diff
 from dynmesh._rows import check_values
 from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
+from dynmesh._write import Writable
 from dynmesh.errors import InvalidArgument, NotFound, StaleDiff
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class _Former:
     cell_numbers: Array
 
 
-class Part:
+class Part(Writable):
     """The part of a mesh that lies in chosen polygons. Made by `Mesh.part`.
 
     Vertices, cells and facets have numbers without gaps. Arrays are read-only and never change: get
@@ -202,34 +202,17 @@ class Part:
         set_at_vertices(result, changed, self.points, cells[near], corners, was < 0, bounded)
         return result
 
-    def write(self, path: Union[str, os.PathLike[str]], *, order: int = 1, msh_version: float = 4.1,
-              from_zero: bool = False, neighbours: bool = False, voronoi: bool = False) -> None:
-        """Writes the part to a file, as the command does: a mesh of its own. O(mesh).
-
-        Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
-        .face beside it), .svg (a picture). Markers of features are those of edges and faces, names
-        are groups. Either the files are complete, or the former ones stay. Raises `InvalidArgument`
-        for another extension, `FailedPrecondition` if the part is not at the mesh's revision or has
-        `open` features (`to_meshio` writes these, too), `Unavailable` if a file cannot be written.
-
-        Args:
-            path: the file; its extension says which format it has.
-            order: of the elements: 1, or 2 with a node in the middle of each edge.
-            msh_version: of a .msh: 4.1, or 2.2 for programs that read no other.
-            from_zero: a .node and the files beside it are numbered from 0, not 1.
-            neighbours: with a .node, the neighbours of cells as .neigh.
-            voronoi: with a .node, the Voronoi diagram.
-        """
-        self._part.write(self.mesh._replica, self.mesh._options, os.fspath(path), dict(
-            order=order, msh_version=msh_version, from_zero=from_zero, neighbours=neighbours,
-            voronoi=voronoi))
+    def _write(self, path: str, choices: dict[str, Any]) -> None:
+        self._part.write(self.mesh._replica, self.mesh._options, path, choices)
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
-        """The part for meshio: its cells, then its facets.
+        """The part for meshio: its cells, then its facets. Points have the mesh's dimension.
 
-        Cell data are `region`, of cells, and `marker`, of facets. Facets of features with a name are
-        a set of that name. Points have as many coordinates as the mesh has dimensions.
+        Cell data are `marker`, of the features of facets and of the polygons whose own region cells
+        are in, and `region`, of cells, small numbers as in files. Both are 0 for none. Facets and
+        cells of features with a name are a set of that name. Where cells have the name, the facets
+        are `NAME edges`, in 3D `NAME faces`: no name stands for two dimensions.
 
         Args:
             point_data: arrays with one row per vertex of the part, by name.
@@ -238,24 +221,41 @@ class Part:
         import meshio
 
         count, facets = len(self.cell_slots), len(self.facet_owners)
-        data = {"region": [self.cell_regions, np.zeros(facets, np.uint64)],
-                "marker": [np.zeros(count, np.int64), self.facet_markers]}
-        for what, given, rows in (("point_data", point_data, len(self.vertex_slots)),
-                                  ("cell_data", cell_data, count)):
+        labels = self._region_labels()
+        regions, which = np.unique(self.cell_regions, return_inverse=True)
+        rows = [labels[region] for region in regions.tolist()]
+        markers = np.array([row[1].marker for row in rows], np.int64)[which]
+        # The first array is what formats take that have only one.
+        data = {"marker": [markers, self.facet_markers],
+                "region": [np.array([row[0] for row in rows], np.int64)[which],
+                           np.zeros(facets, np.int64)]}
+        for what, given, wanted in (("point_data", point_data, len(self.vertex_slots)),
+                                    ("cell_data", cell_data, count)):
             for key, values in (given or {}).items():
-                if np.ndim(values) == 0 or len(values) != rows:
-                    raise InvalidArgument(f"{what}[{key!r}]: the part has {rows} rows; values by slot "
-                                          f"are brought to it by values[part."
+                if np.ndim(values) == 0 or len(values) != wanted:
+                    raise InvalidArgument(f"{what}[{key!r}]: the part has {wanted} rows; values by "
+                                          "slot are brought to it by values[part."
                                           f"{'vertex' if what == 'point_data' else 'cell'}_slots]")
         for key, values in (cell_data or {}).items():
             array = np.asarray(values)
             data[key] = [array, np.zeros((facets, *array.shape[1:]), array.dtype)]
+        none = np.empty(0, np.int64)
+        inside = np.array([row[1].name for row in rows], object)[which]
+        sets = {name: [np.flatnonzero(inside == name), none]
+                for name in sorted({row[1].name for row in rows}) if name}
         names = self.facet_names
-        sets = {str(name): [np.empty(0, np.int64), np.flatnonzero(names == name)]
-                for name in np.unique(names.astype(str)) if name}
+        behind = " edges" if self.mesh.dimension == 2 else " faces"
+        for name in sorted(set(names.tolist())):
+            if name:
+                sets[name + behind if name in sets else name] = [none, np.flatnonzero(names == name)]
         blocks = ("triangle", "line") if self.mesh.dimension == 2 else ("tetra", "triangle")
         return meshio.Mesh(self.points, [(blocks[0], self.cells), (blocks[1], self.facets)],
                            point_data=dict(point_data or {}), cell_data=data, cell_sets=sets)
+
+    def _region_labels(self) -> dict[int, tuple[int, Label]]:
+        """Of each region of the part its number and its label, as in files."""
+        return {region: (number, Label(marker, name)) for region, (number, marker, name)
+                in self._part.region_labels(self.mesh._replica).items()}
 
     @property
     def revision(self) -> int:

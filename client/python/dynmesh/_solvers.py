@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dynmesh._types import Array, Label
+from dynmesh._types import Array
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
@@ -36,6 +36,17 @@ class DolfinxMesh:
     cells: Array  #: For each cell of the mesh the number of the part's.
 
 
+@dataclass(frozen=True)
+class DmplexMesh:
+    """A part for PETSc: points of the mesh are cells first, then vertices, then edges and faces."""
+
+    #: A `petsc4py.PETSc.DMPlex` of this process alone. Its cell `i` is the part's. Its labels "Cell
+    #: Sets" and "Face Sets" are the markers of cells and facets other than 0, as PETSc reads files.
+    dm: Any
+    vertices: range  #: The points of the part's vertices, in their order.
+    facets: Array  #: For each facet of the part its point.
+
+
 def to_skfem(part: Part) -> SkfemArrays:
     """The part as arrays for scikit-fem, which is not needed for that. O(part).
 
@@ -51,8 +62,8 @@ def to_skfem(part: Part) -> SkfemArrays:
     faces = np.sort(np.concatenate([np.delete(cells, k, axis=1) for k in range(d + 1)]), axis=1)
     numbers = _rows_in(np.unique(faces, axis=0), np.sort(part.facets, axis=1))
     names = part.facet_names.astype(str)
-    regions = _labels_of_regions(part)
-    inside = np.array([regions[int(id_)].name for id_ in part.cell_regions], dtype=str)
+    regions = part._region_labels()
+    inside = np.array([regions[int(id_)][1].name for id_ in part.cell_regions], dtype=str)
     return SkfemArrays(
         np.ascontiguousarray(part.points.T), np.ascontiguousarray(cells.T).astype(np.int64),
         {str(name): np.unique(numbers[names == name]) for name in np.unique(names) if name},
@@ -84,8 +95,8 @@ def to_dolfinx(part: Part) -> DolfinxMesh:
     # It renumbers cells and vertices for locality; these arrays have the numbers of the part.
     nodes = np.array(mesh.geometry.input_global_indices)
     cells = np.array(mesh.topology.original_cell_index)
-    regions = _labels_of_regions(part)
-    markers = np.array([regions[int(id_)].marker for id_ in part.cell_regions[cells]], np.int32)
+    regions = part._region_labels()
+    markers = np.array([regions[int(id_)][1].marker for id_ in part.cell_regions[cells]], np.int32)
     cell_tags = dolfinx.mesh.meshtags(mesh, d, np.arange(len(cells), dtype=np.int32), markers)
     # Vertices of the topology have numbers of their own again.
     vertices = np.zeros(len(nodes), np.int64)
@@ -101,6 +112,39 @@ def to_dolfinx(part: Part) -> DolfinxMesh:
     return DolfinxMesh(mesh, cell_tags, facet_tags, nodes, cells)
 
 
+def to_dmplex(part: Part) -> DmplexMesh:
+    """The part as a `DMPlex` of PETSc, with its edges and faces, and markers as labels. O(part).
+
+    For petsc4py 3.18, Debian's. `found.dm.getStratumIS("Face Sets", 7)` are the facets of features
+    with marker 7. The two sides of what is opened are different facets, both with the feature's
+    marker. Raises `ModuleNotFoundError` where petsc4py is not installed, and `FailedPrecondition`
+    for a part without cells.
+    """
+    from petsc4py import PETSc
+
+    if not len(part.cells):
+        raise FailedPrecondition("the part has no cells, and a DMPlex needs some")
+    dm = PETSc.DMPlex().createFromCellList(
+        part.mesh.dimension, part.cells.astype(PETSc.IntType), part.points, interpolate=True,
+        comm=PETSc.COMM_SELF)
+    count = len(part.cells)
+    joined = part.facets + count
+    if part.mesh.dimension == 3:  # a face is where its edges meet
+        joined = np.array([[dm.getJoin([a, b])[0], dm.getJoin([b, c])[0]]
+                           for a, b, c in joined.tolist()], np.int64)
+    facets = np.array([dm.getJoin(pair)[0] for pair in joined.tolist()], np.int64)
+    regions = part._region_labels()
+    dm.createLabel("Cell Sets")
+    for cell, region in enumerate(part.cell_regions.tolist()):
+        if regions[region][1].marker:
+            dm.setLabelValue("Cell Sets", cell, regions[region][1].marker)
+    dm.createLabel("Face Sets")
+    for facet, marker in zip(facets.tolist(), part.facet_markers.tolist()):
+        if marker:
+            dm.setLabelValue("Face Sets", facet, marker)
+    return DmplexMesh(dm, range(count, count + len(part.points)), facets)
+
+
 def _rows_in(table: Array, rows: Array) -> Array:
     """Where each of the rows is in a table of all of them in ascending order, none twice."""
     if not len(rows):
@@ -108,45 +152,3 @@ def _rows_in(table: Array, rows: Array) -> Array:
     _, where = np.unique(np.concatenate([table, rows]), axis=0, return_inverse=True)
     found: Array = where.reshape(-1)[len(table):]
     return found
-
-
-def _labels_of_regions(part: Part) -> dict[int, Label]:
-    """The label of each region of the part, as in files: that of the polygon whose own it is.
-
-    A polygon's own region is what all regions in it have in common. Polygons of 3D are faces: the
-    region has their name only if all around it have the same.
-    """
-    labels = part.mesh.labels
-    polygons = {region: _polygons_of(part, region)
-                for region in np.unique(part.cell_regions).tolist()}
-    owners = set(np.unique(part.facet_owners).tolist())
-    found = dict.fromkeys(polygons, Label())
-    for region, of in polygons.items():
-        own = [polygon for polygon in of if of == frozenset.intersection(
-            *(others for others in polygons.values() if polygon in others))]
-        if len(own) > 1:
-            own = [polygon for polygon in own if polygon in owners]
-        if len(own) != 1:
-            continue
-        label = labels.get(own[0], Label())
-        if part.mesh.dimension == 3:
-            names = _names_around(part, own[0])
-            label = Label(label.marker, names.pop() if len(names) == 1 else "")
-        found[region] = label
-    return found
-
-
-def _polygons_of(part: Part, region: int) -> frozenset[int]:
-    return frozenset(part.mesh.region_sets.get(region, (region,) if region else ()))
-
-
-def _names_around(part: Part, surface: int) -> set[str]:
-    """Of the facets with the surface's inside on one side only."""
-    inside = np.array([region for region in np.unique(part.cell_regions).tolist()
-                       if surface in _polygons_of(part, region)], dtype=np.uint64)
-    is_in = np.append(np.isin(part.cell_regions, inside), False)  # -1: beyond the border
-    here, there = part.facet_cells.T
-    twins = part.facet_twins
-    there = np.where(twins >= 0, here[twins], there)
-    is_around = (is_in[here] != is_in[there]) & (part.facet_owners != 0)
-    return set(part.facet_names[is_around].tolist())

@@ -95,6 +95,7 @@ void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
   output.from_zero = choices["from_zero"].cast<bool>();
   output.neighbours = choices["neighbours"].cast<bool>();
   output.voronoi = choices["voronoi"].cast<bool>();
+  output.input_markers = choices["input_markers"].cast<bool>();
   const MeshOptions made_with = OptionsOf(options);
   absl::Status status;
   {

@@ -3,7 +3,10 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,11 +16,18 @@
 #include "client/python/module/held_column.h"
 #include "client/python/module/shared_mesh.h"
 #include "client/python/module/status.h"
+#include "core/io/meshes/region_labels.h"
 
 namespace dynmesh::python {
 namespace {
 
 using Numbers = std::int32_t;
+
+// A region as in files: its small number, and the label of the polygon whose own it is.
+struct RegionRow {
+  std::uint32_t number = 0;
+  io::RegionLabel label = {};
+};
 
 // A part that threads share. Its lock is taken after that of the mesh.
 class SharedPart {
@@ -28,13 +38,17 @@ class SharedPart {
   absl::Status Update(SharedMesh& mesh, const std::vector<const MeshDiff*>& diffs) {
     const MutexLock mesh_lock(mesh.mutex());
     const MutexLock lock(mutex_);
+    const std::size_t vertices = part_.vertex_slots().size(), cells = part_.cell_slots().size(),
+                      facets = part_.facet_owners().size(), slots = part_.vertex_numbers().size(),
+                      cell_slots = part_.cell_numbers().size();
     if (absl::Status s = part_.Update(mesh.replica(), diffs); !s.ok()) return s;
     const MeshPart::Changes& changes = part_.changes();
-    Add(vertex_log_, changes.is_all, changes.vertices, part_.vertex_slots().size());
-    Add(cell_log_, changes.is_all, changes.cells, part_.cell_slots().size());
-    Add(facet_log_, changes.is_all, changes.facets, part_.facet_owners().size());
-    Add(vertex_number_log_, changes.is_all, changes.vertex_slots, part_.vertex_numbers().size());
-    Add(cell_number_log_, changes.is_all, changes.cell_slots, part_.cell_numbers().size());
+    const bool all = changes.is_all;
+    Add(vertex_log_, all, changes.vertices, vertices, part_.vertex_slots().size());
+    Add(cell_log_, all, changes.cells, cells, part_.cell_slots().size());
+    Add(facet_log_, all, changes.facets, facets, part_.facet_owners().size());
+    Add(vertex_number_log_, all, changes.vertex_slots, slots, part_.vertex_numbers().size());
+    Add(cell_number_log_, all, changes.cell_slots, cell_slots, part_.cell_numbers().size());
     points_.DropOld(vertex_log_), vertex_slots_.DropOld(vertex_log_);
     origin_.DropOld(vertex_log_), facet_twins_.DropOld(facet_log_);
     cells_.DropOld(cell_log_), cell_slots_.DropOld(cell_log_), regions_.DropOld(cell_log_);
@@ -62,6 +76,9 @@ class SharedPart {
     const MutexLock lock(mutex_);
     return part_.CellsAround(mesh.replica(), vertices);
   }
+
+  // Of each region of the part what files give it.
+  absl::StatusOr<std::map<RegionId, RegionRow>> RegionLabels(SharedMesh& mesh);
 
   int dimension() const { return dimension_; }
   std::uint64_t revision() {
@@ -102,9 +119,11 @@ class SharedPart {
   }
   std::size_t Width(int more) const { return static_cast<std::size_t>(dimension_ + more); }
 
-  static void Add(RowLog& log, bool is_all, const std::vector<std::int32_t>& rows,
+  static void Add(RowLog& log, bool is_all, std::vector<std::int32_t> rows, std::size_t former,
                   std::size_t size) {
-    is_all ? log.AddUnknown() : log.Add(rows, size / 4 + 64);
+    // The last rows may have gone, and no other row have changed: that is a change, too.
+    if (rows.empty() && size != former) rows.push_back(0);
+    is_all ? log.AddUnknown() : log.Add(std::move(rows), size / 4 + 64);
   }
 
   template <class T>
@@ -124,6 +143,49 @@ class SharedPart {
   ColumnCopies<RegionId> regions_;
   ColumnCopies<FeatureId> owners_;
 };
+
+absl::StatusOr<std::map<RegionId, RegionRow>> SharedPart::RegionLabels(SharedMesh& mesh) {
+  const MutexLock mesh_lock(mesh.mutex());
+  const MutexLock lock(mutex_);
+  const SlotMesh& whole = mesh.replica();
+  if (whole.revision() != part_.revision()) {
+    return absl::FailedPreconditionError(
+        "the part is not at the mesh's revision: update the part first");
+  }
+  std::map<RegionId, RegionRow> rows;
+  const SlotColumn<RegionId>& regions = part_.cell_regions();
+  for (std::size_t cell = 0; cell < regions.size(); ++cell) rows[regions[cell]];
+  // Numbers are in the order of the polygons.
+  const std::vector<RegionSet> sets = whole.region_sets();
+  std::vector<std::pair<std::vector<FeatureId>, RegionId>> order;
+  for (const auto& [region, row] : rows) {
+    if (region != kNoRegion) order.emplace_back(PolygonsOf(region, sets), region);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::vector<FeatureId>> polygons;
+  for (auto& [of_one, region] : order) {
+    polygons.push_back(std::move(of_one));
+    rows[region].number = static_cast<std::uint32_t>(polygons.size());
+  }
+  io::RegionScene scene;
+  scene.dimension = dimension_;
+  scene.polygons = polygons;
+  const auto region_at = [&](Slot cell) {
+    return cell == kNoSlot ? 0 : rows[whole.regions()[static_cast<std::size_t>(cell)]].number;
+  };
+  for (std::size_t facet = 0; facet < part_.facet_owners().size(); ++facet) {
+    const FeatureId owner = part_.facet_owners()[facet];
+    if (owner == kNoFeature) continue;
+    // Across what is opened is the first cell of the twin.
+    const std::int32_t twin = part_.facet_twins()[facet];
+    const Slot beyond = twin < 0 ? part_.facet_cells()[2 * facet + 1]
+                                 : part_.facet_cells()[2 * static_cast<std::size_t>(twin)];
+    scene.facets.push_back({owner, {region_at(part_.facet_cells()[2 * facet]), region_at(beyond)}});
+  }
+  const auto labels = io::RegionLabelsOf(scene, io::FromLabelColumn(whole.labels()));
+  for (auto& [region, row] : rows) row.label = labels[row.number];
+  return rows;
+}
 
 // A getter of a column: rows of `more` entries more than the dimension, or of `fixed`; 0: one.
 template <class T>
@@ -201,6 +263,22 @@ void BindPart(py::module_& module) {
             return Take(Value(std::move(sides)));
           },
           py::arg("mesh"), py::arg("features"))
+      .def(
+          "region_labels",
+          [](SharedPart& part, SharedMesh& mesh) {
+            absl::StatusOr<std::map<RegionId, RegionRow>> labels = absl::UnknownError("");
+            {
+              py::gil_scoped_release release;
+              labels = part.RegionLabels(mesh);
+            }
+            py::dict result;
+            for (const auto& [region, row] : Value(std::move(labels))) {
+              result[py::int_(region)] =
+                  py::make_tuple(row.number, row.label.marker, row.label.name);
+            }
+            return result;
+          },
+          py::arg("mesh"))
       .def_property_readonly("revision", &SharedPart::revision)
       .def_property_readonly("changes",
                              [](SharedPart& part) {

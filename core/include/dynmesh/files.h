@@ -80,7 +80,10 @@ struct OutputChoices {
   bool neighbours = false;   // with a .node, the neighbours of simplices as .neigh
   bool voronoi = false;      // with a .node, the Voronoi diagram as .v.node and .v.edge
   double msh_version = 4.1;  // of a .msh: 4.1 or 2.2
-  bool part = false;         // the mesh is a part of a mesh (KeepInside, MeshPart): a .node says so
+  // Markers of labels are those of rows, and of regions the ones of their polygons. Otherwise a
+  // file has ids of features and numbers of regions; a .vtu has both in any case.
+  bool input_markers = false;
+  bool part = false;  // the mesh is a part of a mesh (KeepInside, MeshPart): a .node says so
 };
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in

@@ -18,8 +18,8 @@
 //   * constants are preserved to the bit where simplices are in proportion, else up to rounding;
 //   * the result is a function of the two meshes and the field, not of slots or history.
 //
-// Mass stays in its region if the edit keeps the region's shape. Otherwise Carry returns the mass
-// that changed regions.
+// Mass stays in its region if the edit keeps the region's shape (and bounds have room for it).
+// Otherwise Carry returns the mass that changed regions.
 //
 // Thread-compatible.
 #ifndef DYNMESH_TRANSFER_H_
@@ -65,12 +65,18 @@ struct FieldOptions {
   // P1: how many rings of vertices around the cavity the projection may change, 0 to 16. With 0 it
   // is lumped, which smears more. Any number conserves.
   int rings = 1;
-  // Each component stays within the old values of the patch, exactly. Less accurate at extrema. For
-  // P1, mass is then conserved over all regions of the patch together, not in each.
+  // Each component stays within the old values of the patch, exactly. Less accurate at extrema.
+  // Without it, P1 overshoots at fronts: by 18 % of a jump in one edit, and more over several.
+  //
+  // P1: each region keeps its mass if some values within the bounds do so. Vertices on walls belong
+  // to the regions on both sides, so at times there are none: then Carry returns what changes
+  // sides.
   bool bounded = false;
 };
 
-// Mass that the edit moved from region `from` to region `to` by changing their shapes.
+// Mass that moved from region `from` to region `to`: the edit changed their shapes, or bounds left
+// no room for it. The bounds' losses go to the regions that gain, in the order of ids; of regions
+// with changed shapes they count all together, under the least id.
 struct RegionFlow {
   RegionId from = kNoRegion;    // before the edit
   RegionId to = kNoRegion;      // after the edit

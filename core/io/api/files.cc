@@ -104,9 +104,9 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
   }
   absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return indexed.status();
-  if (!mesh.labels.empty()) {
+  if (!mesh.labels.empty() || choices.input_markers) {
     io::LabelRows(std::make_shared<const io::FeatureLabels>(io::FromLabelColumn(mesh.labels)),
-                  false, *indexed);
+                  choices.input_markers, *indexed);
   }
   io::IndexedMesh first_order;  // of which a picture is
   if (choices.order == 2) {

@@ -30,7 +30,7 @@ template <class T>
 void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
                       const std::vector<T>& values, FileWriter& out) {
   out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" " << shape
-      << " format=\"binary\">\n          ";
+      << (shape.empty() ? "" : " ") << "format=\"binary\">\n          ";
   WriteCompressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)}, out);
   out << "\n        </DataArray>\n";
 }
@@ -38,7 +38,9 @@ void WriteShapedArray(std::string_view type, std::string_view name, std::string_
 template <class T>
 void WriteArray(std::string_view type, std::string_view name, int components,
                 const std::vector<T>& values, FileWriter& out) {
-  const std::string shape = text::Concat("NumberOfComponents=\"", components, "\"");
+  // One is the default. Said, it makes meshio read columns of one.
+  const std::string shape =
+      components == 1 ? "" : text::Concat("NumberOfComponents=\"", components, "\"");
   WriteShapedArray(type, name, shape, values, out);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,6 +84,17 @@ void WriteReferences(const IndexedMesh& mesh, const References& references, File
   }
 }
 
+// The names of features by their markers.
+void WriteMarkers(const IndexedMesh& mesh, const References& references, FileWriter& out) {
+  out << "# references are markers of the input\n";
+  std::set<std::pair<std::int64_t, std::string>> rows;
+  for (const FeatureId id : references.features()) {
+    const std::string name = mesh.labels.NameOf(id);
+    if (!name.empty()) rows.emplace(mesh.labels.features->MarkerOf(id), name);
+  }
+  for (const auto& [marker, name] : rows) out << "# marker " << marker << ": " << name << '\n';
+}
+
 // The same of triangles, in 3D of tetrahedra.
 void WriteRegionReferences(const IndexedMesh& mesh, const std::vector<std::int64_t>& references,
                            FileWriter& out) {
@@ -116,7 +128,7 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   out << "MeshVersionFormatted 2\n\nDimension " << mesh.dimension << "\n\n";
   const RowLabels& labels = mesh.labels;
   if (labels.replace_ids) {
-    out << "# references are markers of the input\n";
+    WriteMarkers(mesh, *references, out);
   } else {
     WriteReferences(mesh, *references, out);
   }

@@ -405,7 +405,7 @@ def test_a_mesh_and_a_part_are_written(make_mesh, tmp_path):
     out = part.to_meshio({"x": part.points[:, 0]}, {"cell": np.arange(len(part.cells))})
     assert out.points.shape[1] == 2
     assert [block.type for block in out.cells] == ["triangle", "line"]
-    assert set(out.cell_sets) == {"plate", "crack"}
+    assert set(out.cell_sets) == {"plate", "plate edges", "crack"}
     crack = part.facets[out.cell_sets["crack"][1]]
     np.testing.assert_allclose(np.linalg.norm(
         part.points[crack[:, 1]] - part.points[crack[:, 0]], axis=1).sum(), np.hypot(0.2, 0.2))

@@ -111,3 +111,31 @@ def test_dolfinx_integrates_over_names(make_mesh, make_part):
                                    err_msg=f"{name} {marker}")
     with pytest.raises(dynmesh.FailedPrecondition, match="no cells"):
         dynmesh.to_dolfinx(part.mesh.part(polygons=12345))
+
+
+@pytest.mark.parametrize("make_part", [plate, room])
+def test_a_dmplex_has_markers_as_labels(make_mesh, make_part):
+    pytest.importorskip("petsc4py", reason="python3-petsc4py is not installed")
+    part = make_part(make_mesh)
+    found = dynmesh.to_dmplex(part)
+    dm, d = found.dm, part.mesh.dimension
+    first, last = dm.getHeightStratum(0)
+    assert (first, last) == (0, len(part.cells))
+    assert (found.vertices.start, found.vertices.stop) == dm.getDepthStratum(0)
+    np.testing.assert_array_equal(dm.getCoordinatesLocal().array.reshape(-1, d), part.points)
+
+    def size(label, marker):
+        points = dm.getStratumIS(label, marker)
+        assert points, f"{label} {marker}"
+        return sum(dm.computeCellGeometryFVM(p)[0] for p in points.indices)
+
+    expected = ({("Cell Sets", 1): 1.96, ("Cell Sets", 2): 0.04, ("Face Sets", 3): 1,
+                 ("Face Sets", 4): 2, ("Face Sets", 2): 0.8} if make_part is plate else
+                {("Face Sets", 5): 3, ("Face Sets", 6): 2, ("Face Sets", 7): 1})
+    for (label, marker), value in expected.items():
+        np.testing.assert_allclose(size(label, marker), value, err_msg=f"{label} {marker}")
+    # Facets of the border have one cell beside them, those within have two.
+    beside = np.array([dm.getSupportSize(p) for p in found.facets])
+    np.testing.assert_array_equal(beside == 1, part.is_border)
+    with pytest.raises(dynmesh.FailedPrecondition, match="no cells"):
+        dynmesh.to_dmplex(part.mesh.part(polygons=12345))

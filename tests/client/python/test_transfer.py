@@ -50,6 +50,35 @@ def test_mass_and_linear_fields_stay(make_mesh, random, dimension, bounded):
             assert np.abs(u - sample(mesh, f, kind))[live_rows].max() < 1e-11, kind
 
 
+def test_bounded_values_keep_the_integral_in_each_region(make_mesh, random):
+    """A front beside the plate's border: there is room within the bounds on either side."""
+    mesh = make_mesh(box=[[0, 0], [1, 1]], max_edge=0.1)
+    mesh.apply(add_points={1: (0, 0), 2: (1, 0), 3: (1, 1), 4: (0, 1)},
+               add_polygons={10: (1, 2, 3, 4)})
+    x = mesh.points
+    u = np.where(np.hypot(x[:, 0] - 0.9, x[:, 1] - 0.5) < 0.2, 1.0, 0.0)
+
+    def masses():
+        corners = mesh.points[mesh.cells] * mesh.live_cells[:, None, None]
+        area = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 2
+        each = area * u[mesh.cells].mean(axis=1)
+        return each[mesh.regions == 10].sum(), each[mesh.regions == 0].sum()
+
+    overshoots = 0
+    for step in range(40):
+        before, low, high = masses(), u[mesh.live_vertices].min(), u[mesh.live_vertices].max()
+        try:
+            diff = mesh.apply(add_points={100 + step: (0.7 + 0.29 * random.random(), random.random())})
+        except dynmesh.DynmeshError:
+            continue
+        overshoots += diff.transfer(u)[mesh.live_vertices].max() > high
+        u = diff.transfer(u, bounded=True)
+        assert low <= u[mesh.live_vertices].min() and u[mesh.live_vertices].max() <= high
+        told = sum(f.amounts[0] * ((f.old == 10) - (f.new == 10)) for f in diff.flows)
+        assert masses() == pytest.approx((before[0] - told, before[1] + told), abs=1e-14)
+    assert overshoots > 0
+
+
 def test_components_and_places(make_mesh, random):
     mesh = make_mesh()
     mesh.apply(add_points=(np.arange(1, 51), random.random((50, 2))))

@@ -137,6 +137,69 @@ TEST_P(RegionsOf, KeepTheirMassWhereTheirShapeStays) {
   }
 }
 
+// 1 in the region, walls included, and 0 elsewhere: its walls leave no room where they get coarser.
+double RoundFront(const double* x) {
+  const double r = std::hypot(x[0] - 0.4, x[1] - 0.45);
+  return std::tanh(40 * (0.15 - r));
+}
+
+TEST_P(RegionsOf, KeepTheirMassWithinBoundsWhereTheseHaveRoom) {
+  const int dimension = GetParam();
+  std::mt19937_64 random(geometry::testing::NewSeed());
+  std::uniform_real_distribution<double> draw(0.1, 0.9);
+  for (const testing::FieldFunction& f : {FieldFunction(ShortWave), FieldFunction(RoundFront)}) {
+    Scene scene(dimension);
+    const FieldKind kind = FieldKind::kP1;
+    std::vector<double> u = Sample(scene.slots, kind, f);
+    Masses before = MassesOf(scene.slots, kind, u);
+    int edits = 0, with_flows = 0;
+    for (FeatureId id = 100; edits < (dimension == 2 ? 120 : 16); ++id) {
+      const double x = draw(random), y = draw(random), z = draw(random);
+      std::vector<bool> was;
+      for (std::size_t v = 0; v < scene.slots.ids().size(); ++v) {
+        was.push_back(scene.slots.ids()[v] != 0);
+      }
+      if (!scene.Edit(id % 2 == 0 ? EditBatch{Edit::Add(Feature::Point(id, x, y, z))}
+                                  : EditBatch{Edit::Remove(id - 1)})) {
+        ++id;
+        continue;
+      }
+      ++edits;
+      double low = 1e300, high = -1e300;
+      for (std::size_t v = 0; v < was.size(); ++v) {
+        if (was[v]) low = std::min(low, u[v]), high = std::max(high, u[v]);
+      }
+      u.resize(RowCount(scene.slots, kind));
+      auto transfer = Transfer::Make(scene.slots);
+      ASSERT_TRUE(transfer.ok());
+      const auto flows = transfer->Carry({.kind = kind, .bounded = true}, u);
+      ASSERT_TRUE(flows.ok()) << flows.status();
+      for (std::size_t v = 0; v < u.size(); ++v) {
+        if (scene.slots.ids()[v] == 0) continue;
+        ASSERT_GE(u[v], low);
+        ASSERT_LE(u[v], high);
+      }
+      with_flows += !flows->empty();
+      Masses after = MassesOf(scene.slots, kind, u);
+      ASSERT_EQ(after.size(), before.size());
+      const double size = MassOf(scene.slots, kind, u).size;
+      Masses told = before;
+      for (const RegionFlow& flow : *flows) {
+        ASSERT_EQ(flow.amounts.size(), 1U);
+        ASSERT_NE(flow.from, flow.to);
+        told[flow.from].sum -= flow.amounts[0], told[flow.to].sum += flow.amounts[0];
+      }
+      for (const auto& [region, mass] : after) {
+        ASSERT_NEAR(mass.sum, told[region].sum, 1e-13 * size)
+            << "region " << region << ", edit " << edits;
+      }
+      before = std::move(after);
+    }
+    RecordProperty("edits_with_flows", with_flows);
+    EXPECT_LE(with_flows, edits / 4);
+  }
+}
+
 TEST_P(RegionsOf, ThatChangeTheirShapeTellWhatChangesSides) {
   const int dimension = GetParam();
   for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1}) {

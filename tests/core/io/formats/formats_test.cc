@@ -163,16 +163,14 @@ TEST(Formats, TheApisNameEachRow) {
   };
   const Extensions header = named("core/include/dynmesh/files.h");
   const Extensions python = named("client/python/dynmesh/_files.py");
-  const Extensions mesh = named("client/python/dynmesh/_mesh.py", "Formats: ");
-  const Extensions part = named("client/python/dynmesh/_part.py", "Formats: ");
+  const Extensions written = named("client/python/dynmesh/_write.py", "Formats: ");
   for (const Format& f : Formats()) {
     const std::string extension(f.extension);
     EXPECT_TRUE(header.contains(extension)) << "files.h: " << extension;
     EXPECT_TRUE(python.contains(extension) || !f.read_geometry) << "_files.py: " << extension;
     if (!f.IsMainFile()) continue;
-    EXPECT_TRUE(mesh.contains(extension) || !(f.write_mesh || f.write_leaves))
-        << "_mesh.py: " << extension;
-    EXPECT_TRUE(part.contains(extension) || !f.write_mesh) << "_part.py: " << extension;
+    EXPECT_TRUE(written.contains(extension) || !(f.write_mesh || f.write_leaves))
+        << "_write.py: " << extension;
   }
 }
 
