@@ -136,12 +136,9 @@ class Checker {
   bool IsAsBefore(const Feature& f) const {
     const auto it = before_.find(f.id);
     if (it == before_.end() || it->second.kind != f.kind) return false;
-    if (f.kind == FeatureKind::kSegment) {
-      return it->second.ends == f.ends && it->second.unsplit == f.unsplit;
-    }
-    if (f.kind == FeatureKind::kPolygon) return {
-        return it->second.rings == f.rings && it->second.unsplit == f.unsplit;
-      }
+    if (it->second.unsplit != f.unsplit) return false;
+    if (f.kind == FeatureKind::kSegment) return it->second.ends == f.ends;
+    if (f.kind == FeatureKind::kPolygon) return it->second.rings == f.rings;
     return it->second.position[0] == f.position[0] && it->second.position[1] == f.position[1];
   }
   long Last(FeatureId id) const { return last_.contains(id) ? last_.at(id) : -1; }
