@@ -73,7 +73,7 @@ def run(rotor: dynmesh.Mesh, stator: dynmesh.Mesh, spacing: float, steps: int, o
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         turned = disc.points[on(disc, RADIUS)] @ turn.T
         apart = np.linalg.norm(turned[:, None] - border[None], axis=2).min(axis=1).max()
-        assert apart < 1e-14, f"the rotor does not fit at {np.degrees(angle):g} degrees"
+        assert apart < 1e-12, f"the rotor does not fit at {np.degrees(angle):g} degrees"
 
     os.makedirs(out, exist_ok=True)
     disc.write(f"{out}/rotor.vtu")

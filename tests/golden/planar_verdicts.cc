@@ -85,12 +85,11 @@ constexpr Item kPlanarConflicts[] = {
     {"unsplit, a point on its circle", "set segment 11 1 2 unsplit"},
     {"unsplit, points on both sides of its circle",
      "set segment 11 1 2 unsplit; add point 30 0.5 0"},
-    {"unsplit, a point in its circle", "set segment 14 6 7 unsplit; add point 30 0.9375 0.5"},
-    {"unsplit, a segment in its circle",
-     "set segment 14 6 7 unsplit; add point 30 0.9375 0; add point 31 0.9375 1; add segment 32 30 "
-     "31"},
+    {"unsplit, a point in its circle",
+     "set segment 12 2 3 unsplit; set segment 14 6 7 unsplit; add point 30 0.9375 0.5"},
+    {"unsplit, a segment in its circle", "set segment 14 6 7 unsplit"},
     {"unsplit, a segment at an acute angle",
-     "set segment 14 6 7 unsplit; add point 30 0.9375 1; add segment 31 6 30"},
+     "set segment 11 1 2 unsplit; add point 30 0.3125 0; add segment 31 1 30"},
     {"unsplit polygon", "add polygon 30 1 2 3 4 unsplit"},
 };
 
