@@ -154,7 +154,6 @@ template <int D, template <class> class E>
 bool CompleteWork<D, E>::WasKeptOut(const Star<D>& star, const Candidate<D>& gap,
                                     int bucket) const {
   if constexpr (D == 2) {
-    if (!IsOn(RefinementTerm::kKeptOutIsOld)) return false;
     const auto &v = star.position(), &u = gap.neighbour;
     const int own = BucketOf(geometry::SquaredDistance(v, u)),
               of_birth = BucketOfEpoch(complex_.vertex(star.vertex()).epoch);

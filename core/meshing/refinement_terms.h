@@ -31,7 +31,6 @@ enum class RefinementTerm {
   kSurfaceCounts,    // a point on the surface of a ball does not encroach
   kSurfaceRechecks,  // ... or splits the subsegment at once
   kUnsplitKeepsOut,  // a point that encroaches on an unsplit segment is a limit that is hit
-  kKeptOutIsOld,     // a gap that such a segment kept open is tried again, whenever its vertex runs
   kAnchorsKeepOut,   // anchors lie in the balls of such segments
   // Segments.
   kInsideSplits,     // a vertex inside the ball does not split the subsegment

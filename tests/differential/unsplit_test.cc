@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "dynmesh/quality.h"
 #include "tests/differential/differential.h"
 #include "tests/support/judged.h"
 #include "tests/support/nightly.h"

@@ -43,7 +43,6 @@ std::span<const Mutant> Mutants() {
       R(kSurfaceCounts, kSegments),
       R(kSurfaceRechecks, "EncroachmentTest/*"),
       R(kUnsplitKeepsOut, "Unsplit.*"),
-      R(kKeptOutIsOld, "All/UnsplitHistory.*"),
       R(kAnchorsKeepOut, "Unsplit.*"),
       R(kInsideSplits, kSegments),
       R(kHidingSplits, kSegments),
