@@ -208,6 +208,7 @@ class Cleaner {
         features.push_back(Feature::Segment(e == own.front() ? f.id : next_id_++,
                                             graph_.point_ids[forward ? e->a : e->b],
                                             graph_.point_ids[forward ? e->b : e->a]));
+        features.back().unsplit = f.unsplit;
       }
     }
   }

@@ -18,6 +18,7 @@
 #include "client/cli/remote_mesher.h"
 #include "client/cli/selection.h"
 #include "client/cli/size_flags.h"
+#include "client/cli/unsplit_flag.h"
 #include "client/cli/vertex_limit.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
@@ -36,6 +37,7 @@ struct MeshCommand {
   MeshFlags mesh;
   OutputFlags output;
   SizeFlags sizes;
+  std::string unsplit;
   SelectionFlags selection;
   std::string markers;
   std::string max_memory;
@@ -93,6 +95,9 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
         .Add("exempt_dihedral", quality.exempt_dihedral)
         .Add("build_seconds", build_seconds)
         .AddText("hash", mesh.hash.ToHex());
+    if (quality.exempt_by_unsplit != 0) {
+      object.Add("exempt_by_unsplit", quality.exempt_by_unsplit);
+    }
     if (input.preparation) AddTo(object, *input.preparation);
     return object.ToLine();
   }
@@ -104,7 +109,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
       "%s"
       "%-17s  %.2f to %.2f degrees\n"
       "worst radius-edge  %.6g\n"
-      "over rho           %d (%d exempt, %d of them by the termination guard)\n"
+      "over rho           %d (%d exempt, %d of them by the termination guard%s)\n"
       "%s"
       "built in           %.3f s\n"
       "hash               %s\n",
@@ -113,6 +118,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
       in_space ? absl::StrFormat("subfacets          %d\n", mesh.subfacets.size()) : "",
       AnglesWord(mesh.dimension), quality.min_angle_deg, quality.max_angle_deg,
       quality.worst_radius_edge, quality.over_rho, quality.exempt, quality.exempt_by_guard,
+      ByUnsplitText(quality.exempt_by_unsplit),
       BelowDihedralText(quality.below_dihedral, quality.exempt_dihedral, min_dihedral),
       build_seconds, mesh.hash.ToHex());
 }
@@ -189,6 +195,9 @@ int Run(MeshCommand command) {
     return ReportError(status);
   }
   input->options = options;
+  if (auto status = ApplyUnsplitFlag(command.unsplit, input->features); !status.ok()) {
+    return ReportError(status);
+  }
   if (auto status = ApplySizeFlags(command.sizes, *input); !status.ok()) {
     return ReportError(status);
   }
@@ -245,7 +254,7 @@ int Run(MeshCommand command) {
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;
   }
-  const QualityReport quality = MeasureQuality(*mesh, options);
+  const QualityReport quality = MeasureQuality(*mesh, options, input->features);
   if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
   const absl::Status written = WriteOutputs(*mesh, options, command.output, labels);
   bar.End();
@@ -286,6 +295,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   sub->add_flag("--all", command->all_refusals,
                 "Of an input that is refused, look for all refusals, not for the first ten");
   AddSizeFlags(*sub, command->sizes);
+  AddUnsplitFlag(*sub, command->unsplit);
   AddOutputFlags(*sub, command->output);
   AddSelectionFlags(*sub, command->selection);
   AddSurroundingsFlag(*sub, command->selection);

@@ -10,6 +10,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/quadtree_text.h"
 #include "client/cli/size_conformity.h"
+#include "client/cli/unsplit_flag.h"
 #include "client/cli/words.h"
 #include "client/verify/owners.h"
 #include "client/verify/verify.h"
@@ -27,6 +28,7 @@ struct VerifyCommand {
   std::string mesh;
   std::string input;
   InputFlags reading;
+  std::string unsplit;
   std::optional<double> rho, min_dihedral;
   bool lfs = false;
   bool part = false;
@@ -77,6 +79,7 @@ std::string FormatJson(const VerifyReport& report, double rho, std::optional<dou
       .Add("over_rho", report.over_rho)
       .Add("exempt", report.exempt)
       .Add("exempt_by_guard", report.exempt_by_guard);
+  if (report.exempt_by_unsplit != 0) object.Add("exempt_by_unsplit", report.exempt_by_unsplit);
   if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
   if (min_dihedral) {
     object.Add("below_dihedral", report.below_dihedral)
@@ -96,10 +99,11 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
   std::string text = absl::StrFormat(
       "%d vertices, %d %s, %d subsegments, %s%s %.2f to %.2f degrees\n"
       "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt, %d of them by the "
-      "termination guard)\n",
+      "termination guard%s)\n",
       report.vertices, report.simplices, SimplicesWord(report.dimension), report.subsegments,
       subfacets, AnglesWord(report.dimension), report.min_angle_deg, report.max_angle_deg,
-      report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard);
+      report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard,
+      ByUnsplitText(report.exempt_by_unsplit));
   if (min_dihedral) {
     text += absl::StrFormat("tetrahedra with a dihedral angle below %.6g degrees: %d",
                             *min_dihedral, report.below_dihedral);
@@ -194,6 +198,9 @@ int Run(const VerifyCommand& command) {
     if (!loaded.ok()) return ReportError(loaded.status());
     input = *std::move(loaded);
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
+    if (auto status = ApplyUnsplitFlag(command.unsplit, input.features); !status.ok()) {
+      return ReportError(status);
+    }
     if (files->has_input_markers) FindOwners(input.features, files->mesh);
   }
   const double rho =
@@ -247,6 +254,8 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
   AddInputFlags(*sub, command->reading);
   AddMapFlags(*sub, command->reading);
   AddPreparationFlags(*sub, command->reading);
+  AddUnsplitFlag(*sub, command->unsplit);
+  sub->get_option("--unsplit")->needs(input);
   sub->add_option("--rho", command->rho,
                   "The quality asked for (default: what the file says, else sqrt 2, in 3D 2)")
       ->type_name("R");

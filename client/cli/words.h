@@ -15,6 +15,11 @@ constexpr const char* SimplicesWord(int dimension) {
 constexpr const char* AnglesWord(int dimension) {
   return dimension == 3 ? "dihedral angles" : "angles";
 }
+// Of the exempt triangles, those that unsplit segments excuse.
+inline std::string ByUnsplitText(std::uint64_t count) {
+  return count == 0 ? "" : absl::StrFormat(", %d by unsplit segments", count);
+}
+
 // A line with the number of tetrahedra with an angle below the bound in degrees; empty without a
 // bound.
 // `exempt`: those below because of small angles of the input, which do not count.

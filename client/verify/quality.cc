@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "client/verify/excuses.h"
+#include "client/verify/unsplit.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
@@ -124,11 +125,13 @@ void Record(const Shape& shape, VerifyReport& report) {
   report.max_angle_deg = std::max(report.max_angle_deg, shape.max_angle);
 }
 
-VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report) {
+VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report,
+                         const std::vector<Feature>* features) {
   Findings findings("quality");
   const double ulp = LargestUlp(mesh);
   const Excuses excuses(mesh, ulp);
   Guarded guarded(mesh, rho);
+  const UnsplitCircles unsplit(features);
   report.min_angle_deg = mesh.triangles.empty() ? 0 : 180;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Shape shape = Measure(mesh, mesh.triangles[t]);
@@ -140,6 +143,11 @@ VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& 
     const double bound = rho * (1 + Slack(static_cast<double>(shortest), ulp));
     if (shape.ratio < HUGE_VAL && shortest > shape.shortest && squared <= bound * bound) {
       ++report.exempt;
+      continue;
+    }
+    if (shape.ratio < HUGE_VAL && unsplit.Excuse(mesh, mesh.triangles[t], rho)) {
+      ++report.exempt;
+      ++report.exempt_by_unsplit;
       continue;
     }
     if (shape.ratio < HUGE_VAL && guarded.Excuses(mesh.triangles[t])) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/verify/unsplit.h"
 #include "client/verify/vectors.h"
 #include "client/verify/verify_internal.h"
 #include "core/base/feature_kinds.h"
@@ -309,6 +310,7 @@ VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& 
   }
   const std::vector<Candidate> candidates = CandidatesOf(mesh);
   const double ulp = LargestUlp(mesh);
+  const UnsplitCircles unsplit(mesh.dimension == 2 ? &features : nullptr);
   for (const Feature& f : features) {
     if (!Is<ASize>(f, Not<APoint, ASegment, APolygon>)) continue;
     const Region region(f, mesh.dimension, points);
@@ -318,6 +320,9 @@ VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& 
       if (candidate.longest <= most) break;
       if (!region.IsNear(candidate.extent)) continue;
       if (!region.Meets(Simplex(CornersOf(mesh, candidate.simplex)), candidate.extent)) continue;
+      if (mesh.dimension == 2 && unsplit.ExcuseSize(mesh, mesh.triangles[candidate.simplex])) {
+        continue;
+      }
       findings.Add(Concat(mesh.dimension == 3 ? TetrahedronName(candidate.simplex)
                                               : TriangleName(candidate.simplex),
                           " meets the region of sizing feature ", f.id, " and has an edge of ",

@@ -114,7 +114,8 @@ bool VerifyReport::Passed() const {
 
 namespace {
 
-void CheckPlane(const io::MeshFiles& files, double rho, MeshScope scope, VerifyReport& report) {
+void CheckPlane(const io::MeshFiles& files, double rho, const std::vector<Feature>* features,
+                MeshScope scope, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
   const std::vector<Side> sides = CollectSides(mesh);
   const bool is_whole = scope == MeshScope::kWhole;
@@ -124,7 +125,7 @@ void CheckPlane(const io::MeshFiles& files, double rho, MeshScope scope, VerifyR
   if (scope != MeshScope::kForeign) {
     report.checks.push_back(CheckEdges(files, EdgesOf(sides), is_whole));
   }
-  report.checks.push_back(CheckQuality(mesh, rho, report));
+  report.checks.push_back(CheckQuality(mesh, rho, report, features));
 }
 
 void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, double rho,
@@ -160,6 +161,9 @@ void CheckFeatures(const io::MeshFiles& files, const std::vector<Face>& faces,
   const auto is_size = [](const Feature& f) {
     return Is<ASize>(f, Not<APoint, ASegment, APolygon>);
   };
+  if (!in_space && std::ranges::any_of(features, &Feature::unsplit)) {
+    report.checks.push_back(CheckUnsplit(mesh, CollectSides(mesh), features));
+  }
   if (std::ranges::any_of(features, is_size)) {
     report.checks.push_back(CheckSizes(mesh, features));
   }
@@ -195,7 +199,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
     CheckSpace(files, faces, rho, scope, report);
     if (min_dihedral) report.checks.push_back(CheckDihedral(mesh, *min_dihedral, report));
   } else {
-    CheckPlane(files, rho, scope, report);
+    CheckPlane(files, rho, features, scope, report);
   }
   if (scope == MeshScope::kForeign) {
     ForgiveForeign(judges_rho, report);

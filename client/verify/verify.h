@@ -23,8 +23,11 @@
 //                forward along the segment, exactly, and no vertex is more than 16 ulps of the
 //                largest coordinate from its line. Vertices of other segments may be nearer than
 //                that: markers, not distances, tell the chains apart
+//   unsplit      (if the input is given and something in it is unsplit) every such segment, and
+//                edge of a polygon, is one edge; no vertex is in the circle over it, exactly
 //   sizes        (if the input is given and has sizing features) no edge of a triangle that meets
-//                a region by more than rounding is longer than sqrt 2 times the target
+//                a region by more than rounding is longer than sqrt 2 times the target, but for
+//                triangles that unsplit segments excuse
 //   regions      (if the input is given) every triangle has the polygons around it, tested
 //                exactly at a point inside it
 // In 3D the same for tetrahedra, except
@@ -87,6 +90,8 @@ struct VerifyReport {
   std::uint64_t over_rho = 0;
   std::uint64_t exempt = 0;           // of the triangles over rho
   std::uint64_t exempt_by_guard = 0;  // of the exempt: repairing them would split a subsegment
+  std::uint64_t exempt_by_unsplit =
+      0;                              // ... would put a vertex in the circle of an unsplit segment
   std::uint64_t below_dihedral = 0;   // in 3D, tetrahedra below the given bound
   std::uint64_t exempt_dihedral = 0;  // below it at excused angles alone; not among those
   std::uint64_t not_delaunay = 0;     // sides, of a foreign mesh

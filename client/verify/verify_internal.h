@@ -134,8 +134,11 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& 
 VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
-// Also fills the measures of `report`.
-VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
+// Also fills the measures of `report`. `features`: for what unsplit segments excuse; null: unknown.
+VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report,
+                         const std::vector<Feature>* features = nullptr);
+VerifyCheck CheckUnsplit(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
+                         const std::vector<Feature>& features);
 // Expected O((n + m) lg m + k) for n triangles, m edges of polygons and k crossings of these
 // with horizontal lines through the triangles.
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>& features);

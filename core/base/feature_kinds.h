@@ -38,11 +38,13 @@ struct ASegment {
   static constexpr FeatureKind kKind = FeatureKind::kSegment;
   FeatureId id;
   const std::array<FeatureId, 2>& ends;
+  bool unsplit;
 };
 struct APolygon {
   static constexpr FeatureKind kKind = FeatureKind::kPolygon;
   FeatureId id;
   const Rings& rings;
+  bool unsplit;
 };
 struct ASize {
   static constexpr FeatureKind kKind = FeatureKind::kSize;
@@ -112,9 +114,9 @@ auto Visit(const Feature& f, const Cases&... cases) {
     case FeatureKind::kPoint:
       return on(APoint{f.id, f.position});
     case FeatureKind::kSegment:
-      return on(ASegment{f.id, f.ends});
+      return on(ASegment{f.id, f.ends, f.unsplit});
     case FeatureKind::kPolygon:
-      return on(APolygon{f.id, f.rings});
+      return on(APolygon{f.id, f.rings, f.unsplit});
     case FeatureKind::kSize:
       return on(ASize{f.id, f.position, f.sizing, f.rings});
   }

@@ -1,5 +1,6 @@
 #include "core/dynamic_mesh/build_mesh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -127,6 +128,10 @@ absl::Status SvrError(const std::string& message) {
 template <int D>
 absl::StatusOr<Mesh> BuildDelaunay(std::span<const Feature> features, const MeshOptions& options,
                                    const BuildOptions& build) {
+  if (build.engine == BuildEngine::kSvr &&
+      std::ranges::any_of(features, [](const Feature& f) { return f.unsplit; })) {
+    return SvrError("splits every segment that is encroached upon: leave none unsplit");
+  }
   return build.engine == BuildEngine::kSvr ? Build<D, SvrMesher>(features, options, build)
                                            : Build<D, DynamicMesher>(features, options, build);
 }

@@ -171,7 +171,7 @@ void FeatureTable<D>::AddSegments(const Delta& delta, Sink& mesher, EditableSink
     const bool forward = s.p < s.q;
     const meshing::FeatureSlot slot = NewSlot(s.id);
     segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
-                  slot);
+                  slot, s.unsplit);
     if constexpr (D == 2) {
       if (s.polygons.empty()) continue;
       walls_[slot] = s.polygons;

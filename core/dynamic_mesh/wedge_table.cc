@@ -14,6 +14,7 @@ void SortUnique(std::vector<T>& values) {
 template <int D>
 meshing::SegmentShape ShapeIn(const meshing::ElementStore<D>& elements,
                               const typename WedgeTable<D>::Segment& s) {
+  if (s.unsplit) return {.unsplit = true};
   const double length =
       meshing::LengthOf(elements.vertex(s.ends[0]).p, elements.vertex(s.ends[1]).p);
   return meshing::ShapeOf<D>(length, s.wedges[0], s.wedges[1]);
@@ -23,7 +24,7 @@ meshing::SegmentShape ShapeIn(const meshing::ElementStore<D>& elements,
 
 template <int D>
 typename WedgeTable<D>::Index WedgeTable<D>::Add(Vertex lesser, Vertex greater,
-                                                 meshing::FeatureSlot slot) {
+                                                 meshing::FeatureSlot slot, bool unsplit) {
   Index index = static_cast<Index>(segments_.size());
   if (free_.empty()) {
     segments_.emplace_back();
@@ -33,6 +34,7 @@ typename WedgeTable<D>::Index WedgeTable<D>::Add(Vertex lesser, Vertex greater,
   }
   segments_[index] = Segment{{lesser, greater}};
   segments_[index].slot = slot;
+  segments_[index].unsplit = unsplit;
   for (const Vertex end : {lesser, greater}) {
     at_[end].push_back(index);
     touched_.push_back(end);

@@ -30,6 +30,7 @@ class WedgeTable {
     std::array<Vertex, 2> ends;  // the lesser point first
     std::array<meshing::WedgeEnd, 2> wedges = {};
     meshing::SegmentShape shape = {};
+    bool unsplit = false;
     meshing::FeatureSlot slot = meshing::kNil;      // the caller's
     meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: does not exist yet
   };
@@ -39,7 +40,7 @@ class WedgeTable {
   void Reserve(std::size_t segments) { segments_.reserve(segments_.size() + segments); }
 
   // REQUIRES: no segment joins the two points yet.
-  Index Add(Vertex lesser, Vertex greater, meshing::FeatureSlot slot);
+  Index Add(Vertex lesser, Vertex greater, meshing::FeatureSlot slot, bool unsplit = false);
   const Segment& operator[](Index index) const { return segments_[index]; }
   // The segment between two points, which must exist. O(segments at one of them).
   Index Find(Vertex a, Vertex b) const;

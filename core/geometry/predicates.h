@@ -108,11 +108,17 @@ inline bool InCircle(const Point2& a, const Point2& b, const Point2& c, const Po
   return sign != internal::kUnsure ? sign > 0 : internal::InCircleSlow(a, b, c, d);
 }
 
-// True if x is strictly inside the ball with diameter ab: (a - x).(b - x) < 0. Exact.
+// (a - x).(b - x): < 0 inside the ball with diameter ab, 0 on its surface. Exact.
+template <int D>
+inline int DiametralBallSign(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
+  const int sign = internal::InDiametralBallFilter(a, b, x);
+  return sign != internal::kUnsure ? sign : internal::InDiametralBallExact(a, b, x);
+}
+
+// True if x is strictly inside that ball.
 template <int D>
 inline bool InDiametralBall(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
-  const int sign = internal::InDiametralBallFilter(a, b, x);
-  return (sign != internal::kUnsure ? sign : internal::InDiametralBallExact(a, b, x)) < 0;
+  return DiametralBallSign(a, b, x) < 0;
 }
 
 // Does the ray from p to the right cross the edge ab, of which the lower end is part and the upper

@@ -9,6 +9,7 @@
 // anchor if
 //   no point is nearer than kClear spacings, in 3D no edge of a facet and no side of the domain,
 //   either,
+//   no segment that stays whole has it in its diametral ball,
 //   nothing else is nearer than kClearOfOthers spacings: other segments, in 2D the sides of the
 //   domain, in 3D facets, and finer lattices that are not nested.
 // This is a function of the regions and features near the point. So an edit decides again only the
@@ -229,6 +230,10 @@ bool Anchors<D, E>::IsAnchor(int level, const Point& x) const {
     return !Lattice::AreNested(Lattice::LevelOf(region.target), finest);
   };
   if (complex_.sizing.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
+  if (!complex_.unsplit.empty() && IsOn(RefinementTerm::kAnchorsKeepOut) &&
+      complex_.unsplit.Hold(x)) {
+    return false;
+  }
   bool is_clear = true;
   double reach2 = most * most;
   complex_.features.VisitNear(
@@ -333,6 +338,14 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     const auto meets = [&](const Point& centre, double radius) {
       return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
     };
+    const Point middle = geometry::Midpoint(f.p, f.q);
+    const double ball_radius = 0.5 * std::sqrt(geometry::SquaredDistance(f.p, f.q)) * kBarelyWider;
+    Extent<D> ball = Extent<D>::Nothing();
+    ball.AddBall(middle, ball_radius);
+    const auto meets_ball = [&](const Point& centre, double radius) {
+      const double reach = (ball_radius + radius) * kBarelyWider;
+      return geometry::SquaredDistance(centre, middle) <= reach * reach;
+    };
     // In 3D it may have been an edge of a facet, or be one now.
     const double clear = D == 3 ? kClear : ClearOf(f);
     // Within kClear spacings of a point, lattices are at most an octave finer than at the point.
@@ -340,6 +353,7 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
         f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);
     for (auto level = first; level != in_use.end(); ++level) {
       if (!decide_near(*level, BoxOf(f), clear, meets)) return false;
+      if (f.unsplit && !decide_near(*level, ball, 0, meets_ball)) return false;
     }
   }
   if constexpr (D == 3) {

@@ -62,6 +62,7 @@ class CompleteWork {
   void Fill(Context& context, Star<D>& star, const Link* link);
   template <class Gaps>
   bool FindNext(const Gaps& gaps, const Star<D>& star, int bucket, Candidate<D>* next);
+  bool WasKeptOut(const Star<D>& star, const Candidate<D>& gap, int bucket) const;
   bool MaySplitAll(std::span<const Encroached> encroached, const Candidate<D>& gap, int bucket,
                    bool* kept_out);
   void Yield(Context& context, std::span<const Encroached> encroached);
@@ -108,6 +109,11 @@ void CompleteWork<D, E>::Fill(Context& context, Star<D>& star, const Link* link)
   // Each point fills its gap, and there is room for only a few. The bound kMostOutputs ends the
   // loop even if a wrong view violates this.
   while (!yielded && ordinal < kMostOutputs && FindNext(gaps, star, bucket, &gap)) {
+    if (!complex_.unsplit.empty() && WasKeptOut(star, gap, bucket)) {
+      kept_out = true;
+      skipped_.Add(gap);
+      continue;
+    }
     const auto encroached = search_.EncroachedBy(context, gap.x);
     if (encroached.empty() || !IsOn(RefinementTerm::kYields)) {
       Insert(context, star, link, gap, ordinal++);
@@ -137,11 +143,40 @@ bool CompleteWork<D, E>::FindNext(const Gaps& gaps, const Star<D>& star, int buc
   return true;
 }
 
-// False if a subsegment that `gap` encroaches on may not be split any more: then it keeps the point
-// out for good. *kept_out: becomes true if that is due to the guard.
+// A gap that an unsplit segment has kept open in an earlier bucket stays so. Its triangle may be
+// another one since, with a point that encroaches on nothing; but whether v runs in this bucket
+// depends on how neighbourhoods are found (run.h), and no result may.
+//
+// An edge of v, its owner, is as old as v. So its gaps were tried at the first Complete of v in
+// their own bucket or later. The points tried were on the bisector of the edge, no farther out than
+// the off-center, as Voronoi edges only shrink.
+template <int D, template <class> class E>
+bool CompleteWork<D, E>::WasKeptOut(const Star<D>& star, const Candidate<D>& gap,
+                                    int bucket) const {
+  if constexpr (D == 2) {
+    const auto &v = star.position(), &u = gap.neighbour;
+    const int own = BucketOf(geometry::SquaredDistance(v, u)),
+              of_birth = BucketOfEpoch(complex_.vertex(star.vertex()).epoch);
+    if (bucket <= std::max(own, of_birth)) return false;
+    const auto &lesser = std::min(v, u), &greater = std::max(v, u);
+    const auto off_center = gap.left ? complex_.rules.OffCenter(lesser, greater)
+                                     : complex_.rules.OffCenter(greater, lesser);
+    return complex_.unsplit.Meet(geometry::Midpoint(v, u), off_center);
+  }
+  return false;
+}
+
+// False if a subsegment that `gap` encroaches on may not be split (any more): then it keeps the
+// point out for good. *kept_out: becomes true if that is due to the guard, or if it is unsplit.
 template <int D, template <class> class E>
 bool CompleteWork<D, E>::MaySplitAll(std::span<const Encroached> encroached,
                                      const Candidate<D>& gap, int bucket, bool* kept_out) {
+  const bool is_kept_whole = std::ranges::any_of(
+      encroached, [&](const auto& e) { return IsUnsplit(complex_.subsegment(e.s)); });
+  if (is_kept_whole && IsOn(RefinementTerm::kUnsplitKeepsOut)) {
+    *kept_out = true;
+    return false;
+  }
   const bool may_be_guarded = IsOn(RefinementTerm::kGuardEnds) && !gap.required;
   const bool is_guarded = may_be_guarded && std::ranges::any_of(encroached, [&](const auto& e) {
                             return IsGuarded(complex_, complex_.subsegment(e.s), bucket);

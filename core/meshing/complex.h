@@ -29,6 +29,7 @@
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/spatial_tree.h"
 #include "core/meshing/types.h"
+#include "core/meshing/unsplit_balls.h"
 #include "core/sac/subscriptions.h"
 #include "dynmesh/options.h"
 
@@ -154,6 +155,7 @@ struct Complex {
 
   SizingField<D> sizing;
   InputFeatures<D> features;  // empty while there are only points
+  UnsplitBalls<D> unsplit;    // of segments that stay whole
   FacetField facets;          // empty in 2D
   SliverTable slivers;        // empty in 2D
   // Vertices but those of cures that came or went since cures ran.
@@ -198,6 +200,7 @@ Complex<D, E>::Complex(const MeshOptions& options, const Engine& times, Triangul
       cured(rules.lo(), rules.hi()),
       sizing(rules.lo(), rules.hi()),
       features(rules.lo(), rules.hi()),
+      unsplit(rules.lo(), rules.hi()),
       facets(internal::FacetBox(rules.lo()), internal::FacetBox(rules.hi())),
       slivers(D == 3 ? std::max(options.min_dihedral, kFlat) : 0),
       run(given, kTraced, rules.criterion()) {}
@@ -401,7 +404,7 @@ void Complex<D, E>::ResetToDomain(Triangulation* to) const {
 template <int D, template <class> class E>
 std::size_t Complex<D, E>::bytes() const {
   return elements.bytes() + tree.bytes() + cured.bytes() + slivers.bytes() + sizing.bytes() +
-         features.bytes() + facets.bytes();
+         features.bytes() + unsplit.bytes() + facets.bytes();
 }
 
 }  // namespace dynmesh::meshing

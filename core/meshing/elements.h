@@ -120,6 +120,12 @@ struct Subsegment {
   bool changed = false;
 };
 
+// Must it stay whole? Then it is a whole segment of the input.
+template <int D>
+bool IsUnsplit(const Subsegment<D>& s) {
+  return s.split_rule.kind == SplitRule::Kind::kUnsplit;
+}
+
 inline float RoundedUp(double x) {
   const float f = static_cast<float>(x);
   return f < x ? std::nextafter(f, INFINITY) : f;

@@ -15,14 +15,7 @@
 
 namespace dynmesh::meshing {
 
-// (a - x).(b - x): < 0 inside the ball with diameter ab, 0 on its surface. Exact.
-template <int D>
-inline int DiametralBallSign(const geometry::Point<D>& a, const geometry::Point<D>& b,
-                             const geometry::Point<D>& x) {
-  const int sign = geometry::internal::InDiametralBallFilter(a, b, x);
-  return sign != geometry::internal::kUnsure ? sign
-                                             : geometry::internal::InDiametralBallExact(a, b, x);
-}
+using geometry::DiametralBallSign;
 
 // Thread-compatible. A result holds until the next call.
 template <int D, template <class> class E>

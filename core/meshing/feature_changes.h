@@ -3,6 +3,7 @@
 #define DYNMESH_CORE_MESHING_FEATURE_CHANGES_H_
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,8 @@ Extent<D> BoxOf(const InputFeature<D>& feature) {
 template <int D>
 void KeepNetChanges(FeatureChanges<D>& changes) {
   std::sort(changes.begin(), changes.end(), [](const auto& x, const auto& y) {
-    return std::pair(x.first.a, x.first.b) < std::pair(y.first.a, y.first.b);
+    return std::tuple(x.first.a, x.first.b, x.first.unsplit) <
+           std::tuple(y.first.a, y.first.b, y.first.unsplit);
   });
   std::size_t kept = 0;
   for (std::size_t i = 0, next = 0; i < changes.size(); i = next) {

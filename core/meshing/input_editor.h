@@ -69,6 +69,11 @@ class InputEditor {
   // the present ones count as unchanged.
   void IndexFeatures();
   VertexIndex AddVertex(const Point& p, int dimension, FeatureSlot feature);
+  InputFeature<D> FeatureOf(const Subsegment<D>& whole) const {
+    InputFeature<D> feature = complex_.FeatureOf(whole.a, whole.b);
+    feature.unsplit = IsUnsplit(whole);
+    return feature;
+  }
   void AddFeature(const InputFeature<D>& feature);
   void RemoveFeature(const InputFeature<D>& feature);
 
@@ -153,10 +158,10 @@ SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, Feat
   sub.split_rule = SplitRule::Whole(shape, LengthOf(complex_.vertex(a).p, complex_.vertex(b).p));
   sub.feature = feature;
   // No feature is near the sides of the domain (DomainBox).
-  if (feature == 0) {
+  if (feature != 0) AddFeature(FeatureOf(sub));
+  if (feature == 0 || IsUnsplit(sub)) {
     engine_.Request(kCheck, s, FirstCheckEpoch());
   } else {
-    AddFeature(complex_.FeatureOf(sub.a, sub.b));
     engine_.Request(kPresplit, s, PresplitEpoch());
   }
   return s;
@@ -165,8 +170,12 @@ SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, Feat
 template <int D, template <class> class E>
 void InputEditor<D, E>::RemoveSegment(SubsegmentIndex s) {
   if constexpr (kTraced) {
-    RemoveFeature(complex_.FeatureOf(complex_.subsegment(s).a, complex_.subsegment(s).b));
-    engine_.Unrequest(kPresplit, s, PresplitEpoch());
+    RemoveFeature(FeatureOf(complex_.subsegment(s)));
+    if (IsUnsplit(complex_.subsegment(s))) {
+      engine_.Unrequest(kCheck, s, FirstCheckEpoch());
+    } else {
+      engine_.Unrequest(kPresplit, s, PresplitEpoch());
+    }
     complex_.elements.ReleaseSubsegment(s);
   }
 }
@@ -222,12 +231,14 @@ void InputEditor<D, E>::IndexFeatures() {
 template <int D, template <class> class E>
 void InputEditor<D, E>::AddFeature(const InputFeature<D>& feature) {
   complex_.features.Add(feature);
+  if (feature.unsplit) complex_.unsplit.Add(feature);
   if constexpr (kTraced) changes_.features.emplace_back(feature, true);
 }
 
 template <int D, template <class> class E>
 void InputEditor<D, E>::RemoveFeature(const InputFeature<D>& feature) {
   complex_.features.Remove(feature);
+  if (feature.unsplit) complex_.unsplit.Remove(feature);
   if constexpr (kTraced) changes_.features.emplace_back(feature, false);
 }
 

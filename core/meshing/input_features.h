@@ -28,11 +28,12 @@ template <int D>
 struct InputFeature {
   std::uint32_t a = 0, b = 0;
   geometry::Point<D> p = {}, q = {};
+  bool unsplit = false;  // a segment that stays whole
 
   bool Has(std::uint32_t v) const { return a == v || b == v; }
   bool IsDisjoint(std::uint32_t v, std::uint32_t w) const { return !Has(v) && !Has(w); }
   friend bool operator==(const InputFeature& x, const InputFeature& y) {
-    return x.a == y.a && x.b == y.b;
+    return x.a == y.a && x.b == y.b && x.unsplit == y.unsplit;
   }
 };
 

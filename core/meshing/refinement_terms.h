@@ -30,6 +30,8 @@ enum class RefinementTerm {
   kGuardEnds,        // the termination guard is ignored
   kSurfaceCounts,    // a point on the surface of a ball does not encroach
   kSurfaceRechecks,  // ... or splits the subsegment at once
+  kUnsplitKeepsOut,  // a point that encroaches on an unsplit segment is a limit that is hit
+  kAnchorsKeepOut,   // anchors lie in the balls of such segments
   // Segments.
   kInsideSplits,     // a vertex inside the ball does not split the subsegment
   kHidingSplits,     // vertices on the surface that hide it do not

@@ -145,7 +145,9 @@ double Coarsest(double lo, double hi) {
 
 SplitRule SplitRule::Whole(const SegmentShape& shape, double length) {
   SplitRule rule{Kind::kHalve, false, shape.skew_at_a, shape.skew_at_b};
-  if (shape.acute_at_a && shape.acute_at_b) {
+  if (shape.unsplit) {
+    rule.kind = Kind::kUnsplit;
+  } else if (shape.acute_at_a && shape.acute_at_b) {
     rule.kind = Kind::kHandOver;
     rule.at_b = shape.handover;
   } else if (shape.acute_at_a || shape.acute_at_b) {

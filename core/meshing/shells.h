@@ -57,6 +57,7 @@ struct SegmentShape {
   // 3D, of acute ends: skews are at most 2^-that of the subsegment that is split. 0: there are
   // none.
   std::uint8_t skew_at_a = 0, skew_at_b = 0;
+  bool unsplit = false;  // it is not; then nothing else counts
   friend bool operator==(const SegmentShape&, const SegmentShape&) = default;
 };
 template <int D>
@@ -71,6 +72,7 @@ struct SplitRule {
     kHalve,     // no acute end
     kHandOver,  // a whole segment with two acute ends
     kShells,
+    kUnsplit,  // not at all
   };
   Kind kind = Kind::kHalve;
   bool from_b = false;                        // the apex is the greater end of the whole segment

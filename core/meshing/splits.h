@@ -11,10 +11,11 @@
 
 namespace dynmesh::meshing {
 
-// False if the parts would be finer than limits allow.
+// False if s is unsplit, or if the parts would be finer than limits allow.
 template <int D, template <class> class E>
 bool CanSplit(const Complex<D, E>& complex, const Subsegment<D>& s) {
-  return (s.depth < complex.limits.max_depth || !IsOn(RefinementTerm::kDepthEnds)) &&
+  return !IsUnsplit(s) &&
+         (s.depth < complex.limits.max_depth || !IsOn(RefinementTerm::kDepthEnds)) &&
          complex.SquaredLength(s) > 4 * complex.rules.least_squared_length();
 }
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/geometry/predicates.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/far_apart.h"
 #include "core/plc/messages.h"
@@ -166,8 +167,11 @@ absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, do
   return CheckPosition(f, options.box, edit);
 }
 template <int D>
-absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, double, EditIndex) {
-  return absl::OkStatus();
+absl::Status CheckAlone(const SegmentFeature<D>& f, const MeshOptions& options, double,
+                        EditIndex edit) {
+  const bool may_be =
+      D == 2 && options.kind != MeshKind::kQuadtree && options.criterion == Criterion::kEdge;
+  return may_be || !f.unsplit ? absl::OkStatus() : UnsplitError<D>(f, options, edit);
 }
 
 [[maybe_unused]] absl::Status CheckAlone(const Facet& f, const MeshOptions&, double limit,
@@ -207,12 +211,17 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     least_ends = ends;
     return true;
   };
+  const auto judge = [&](const auto& other) {
+    const Conflict conflict = Judge(feature, other, limit_);
+    return conflict == Conflict::kNone && Encroach(feature, other) ? Conflict::kEncroached
+                                                                   : conflict;
+  };
   const auto see_point = [&](const PointFeature<D>& other) {
-    if (!better(Judge(feature, other, limit_), other.id, {})) return;
+    if (!better(judge(other), other.id, {})) return;
     least.other = other;
   };
   const auto see_segment = [&](const SegmentFeature<D>& other) {
-    if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
+    if (!better(judge(other), other.id, KeyOf(other))) return;
     least.other = other;
   };
   // Two facets may be near each other in as many visited cells as they have corners: judge once.
@@ -230,6 +239,10 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
       index.QueryNear(PositionOf(feature), point, segment, facet, &cost_);
     } else {
       index.QueryNear(PositionOf(feature), point, segment, &cost_);
+      index.QueryCircles(PositionOf(feature), segment, &cost_);
+      if constexpr (std::is_same_v<F, SegmentFeature<D>>) {
+        if (feature.unsplit) index.QueryCircleOver(feature, point, segment, &cost_);
+      }
     }
   };
   if (present_ != nullptr) {
@@ -249,6 +262,48 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   }
   ask(entered_, see_point, see_segment, see_facet);
   return least;
+}
+
+template <int D>
+template <typename F, typename G>
+bool BatchCheck<D>::Encroach(const F& f, const G& g) {
+  if constexpr (std::is_same_v<F, PointFeature<2>> && std::is_same_v<G, SegmentFeature<2>>) {
+    return g.unsplit && IsInCircle(f, g);
+  } else if constexpr (std::is_same_v<F, SegmentFeature<2>> && std::is_same_v<G, PointFeature<2>>) {
+    return f.unsplit && IsInCircle(g, f);
+  } else if constexpr (std::is_same_v<F, SegmentFeature<2>> &&
+                       std::is_same_v<G, SegmentFeature<2>>) {
+    return MayEncroach(f, g, limit_) || MayEncroach(g, f, limit_);
+  }
+  return false;
+}
+
+// Two points on the circle, one on each side of the segment, may keep it out of the triangulation.
+template <int D>
+bool BatchCheck<D>::IsInCircle(const PointFeature<2>& p, const SegmentFeature<2>& s) {
+  bool is_in = false;
+  if constexpr (D == 2) {
+    const CircleSide side = SideOfCircle(p, s);
+    if (side != CircleSide::kOn || !IsOn(ValidationTerm::kCirclesKeepEdges)) {
+      return side == CircleSide::kInside;
+    }
+    const int of_p = geometry::Orientation(s.p, s.q, p.p);
+    const auto see = [&](const PointFeature<2>& q) {
+      is_in = is_in || (SideOfCircle(q, s) == CircleSide::kOn &&
+                        geometry::Orientation(s.p, s.q, q.p) * of_p < 0);
+    };
+    const auto ignore = [](const SegmentFeature<2>&) {};
+    entered_.QueryCircleOver(s, see, ignore, &cost_);
+    if (present_ != nullptr) {
+      present_->QueryCircleOver(
+          s,
+          [&](const PointFeature<2>& q) {
+            if (!hidden_.contains(q.id)) see(q);
+          },
+          ignore, &cost_);
+    }
+  }
+  return is_in;
 }
 
 template <int D>

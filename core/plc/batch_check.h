@@ -101,6 +101,8 @@ class BatchCheck {
   bool CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own);
   EditIndex BlameOfEdge(FeatureId feature, const EdgeKey& key) const;
   std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
+  bool IsMarkedAfter(FeatureId polygon) const;
+  EditIndex BlameOfMarks(std::span<const FeatureId> polygons) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
   bool is_quadtree() const { return options_.kind == MeshKind::kQuadtree; }
   bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
@@ -116,6 +118,12 @@ class BatchCheck {
   absl::Status UnknownEnd(FeatureId feature, EditIndex edit) const;
   template <typename F>
   Obstacle FindObstacle(const F& feature);
+  // 2D. Is one unsplit, and the other in its way?
+  template <typename F, typename G>
+  bool Encroach(const F& f, const G& g);
+  // 2D. Does the circle over unsplit segment `s` hold `p`, or is p on it and another point on its
+  // other side?
+  bool IsInCircle(const PointFeature<2>& p, const SegmentFeature<2>& s);
   absl::Status CheckDemand();
   absl::Status CheckSizeDemand() const;
   absl::Status CheckSegmentGaps();
@@ -141,7 +149,8 @@ class BatchCheck {
   absl::flat_hash_set<FeatureId> changed_polygons_;
   absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> new_users_;
   absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
-  std::vector<SegmentFeature<D>> edges_;  // `polygons` has only the polygon to blame
+  // `polygons` has only the polygon to blame. is_marked: by a segment feature that comes later.
+  std::vector<SegmentFeature<D>> edges_;
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
   FeatureIndex<D> entered_;
   std::uint64_t cost_ = 0;

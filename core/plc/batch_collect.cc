@@ -150,7 +150,8 @@ void BatchCheck<D>::CollectPolygon(FeatureId id) {
   bool whole = false;
   PolygonFeature now;
   if (entry == nullptr || entry->state == DraftState::kPolygon) {
-    now = entry == nullptr ? PolygonFeature{id, *was} : draft_.PolygonOf(*entry);
+    now = entry == nullptr ? PolygonFeature{id, *was, store_.IsUnsplit(id)}
+                           : draft_.PolygonOf(*entry);
     whole = CheckQuality(id, options_, own).ok() && CheckRings(id, now.rings, own).ok();
     if (!whole) Schedule({own, id, Event::Kind::kPolygon});
     whole = whole && CheckPoints(id, PointsOf(now.rings), own);
@@ -160,7 +161,7 @@ void BatchCheck<D>::CollectPolygon(FeatureId id) {
     if (whole && own == kUntouched) return;
     changed_polygons_.insert(id);
     ForEachEdgeOf(*was, note);
-    delta_.removed_polygons.push_back({id, *was});
+    delta_.removed_polygons.push_back({id, *was, store_.IsUnsplit(id)});
   }
   if (!whole) return;
   ForEachEdgeOf(now.rings, note);
@@ -244,6 +245,25 @@ std::vector<FeatureId> BatchCheck<D>::PolygonsAfter(const EdgeKey& key) const {
   return polygons;
 }
 
+// Is the polygon, of the result, marked unsplit?
+template <int D>
+bool BatchCheck<D>::IsMarkedAfter(FeatureId polygon) const {
+  const typename Draft<D>::Entry* entry = draft_.Find(polygon);
+  return entry != nullptr && entry->given != nullptr ? entry->given->unsplit
+                                                     : store_.IsUnsplit(polygon);
+}
+
+// The earliest edit to blame for the mark of one of them; kNever if none is marked unsplit.
+template <int D>
+EditIndex BatchCheck<D>::BlameOfMarks(std::span<const FeatureId> polygons) const {
+  EditIndex edit = kNever;
+  for (const FeatureId id : polygons) {
+    if (!IsMarkedAfter(id)) continue;
+    edit = std::min(edit, store_.IsUnsplit(id) ? kUntouched : draft_.BlameOf(id));
+  }
+  return edit;
+}
+
 // A segment feature of the result between the two points; kNoFeature if there is none.
 template <int D>
 FeatureId BatchCheck<D>::SegmentAfter(const EdgeKey& key) const {
@@ -276,11 +296,15 @@ void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   FeatureId first = kNoFeature;  // the polygon with the earliest edit to blame
   EditIndex edit = kUntouched;
   if (is_edge) {
-    now = {polygons.front(), key.first, key.second, *p, *q, polygons};
+    now = {polygons.front(), key.first, key.second, *p, *q};
+    now.polygons = polygons;
     first = *std::min_element(polygons.begin(), polygons.end(), [&](FeatureId a, FeatureId b) {
       return BlameOfEdge(a, key) < BlameOfEdge(b, key);
     });
     edit = BlameOfEdge(first, key);
+    const EditIndex of_mark = BlameOfMarks(polygons);
+    now.unsplit = of_mark != kNever;
+    if (now.unsplit) edit = std::max(edit, of_mark);
   }
   const EdgeRecord* record = store_.FindEdge(key);
   if (record != nullptr && record->segment == kNoFeature) {
@@ -296,6 +320,10 @@ void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   if (segment != kNoFeature && BlameOfEdge(segment, key) <= edit) return;
   now.id = first;
   now.polygons = {now.id};
+  if (segment != kNoFeature) {
+    const typename Draft<D>::Entry* entry = draft_.Find(segment);
+    now.is_marked = entry != nullptr ? entry->is_marked : store_.FindSegment(segment)->is_marked;
+  }
   edges_.push_back(std::move(now));
   Schedule(
       {edit, edges_.back().id, Event::Kind::kEdge, static_cast<std::uint32_t>(edges_.size() - 1)});
@@ -317,7 +345,12 @@ void BatchCheck<D>::CollectSegment(FeatureId id) {
   if (whole) {
     for (const FeatureId end : ends) edit = std::max(edit, draft_.BlameOf(end));
     now = {id, ends[0], ends[1], *draft_.FindPoint(ends[0]), *draft_.FindPoint(ends[1])};
+    now.is_marked = now.unsplit = entry == nullptr ? was->is_marked : entry->is_marked;
     if (knows_polygons()) now.polygons = PolygonsAfter(KeyOf(now));
+    if (const EditIndex mark = BlameOfMarks(now.polygons); mark != kNever && !now.unsplit) {
+      now.unsplit = true;
+      edit = std::max(edit, mark);
+    }
   }
   if (was != nullptr) {
     const SegmentFeature<D> before = store_.Expand(id, *was);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -55,7 +56,14 @@ absl::Status BatchCheck<D>::CheckSizeDemand() const {
 
 template <int D>
 absl::Status BatchCheck<D>::CheckSegmentGaps() {
-  const auto& added = delta_.added_segments;
+  // Unsplit ones get no vertices.
+  const bool any_unsplit = std::ranges::any_of(delta_.added_segments, &SegmentFeature<D>::unsplit);
+  std::vector<SegmentFeature<D>> split;
+  if (any_unsplit) {
+    std::ranges::copy_if(delta_.added_segments, std::back_inserter(split),
+                         [](const SegmentFeature<D>& s) { return !s.unsplit; });
+  }
+  const auto& added = any_unsplit ? split : delta_.added_segments;
   if (added.empty() || !IsOn(ValidationTerm::kSegmentGapsSmall)) return absl::OkStatus();
   const double most = static_cast<double>(options_.limits.max_vertices);
   // Present segments count, except those that the batch changes, which are hidden.

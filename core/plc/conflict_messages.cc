@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "core/geometry/constructions.h"
+#include "core/geometry/segment_distance.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/message_parts.h"
 #include "core/plc/messages.h"
@@ -127,6 +128,45 @@ std::string CureOfPointOnSegment(const AnyFeature<D>& a, const AnyFeature<D>& b)
                       " and ", segment.q_id);
 }
 
+// The greatest number of three digits that is below x.
+std::string Below(double x) {
+  const double unit = std::pow(10.0, std::floor(std::log10(x)) - 2);
+  return absl::StrFormat("%.3g", std::max(1.0, std::floor(x * 0.999 / unit)) * unit);
+}
+
+// What is in the way of an unsplit segment, and what would do.
+template <int D>
+std::string EncroachedText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
+  if constexpr (D == 2) {
+    const auto* s = std::get_if<SegmentFeature<D>>(&a);
+    const auto* t = std::get_if<SegmentFeature<D>>(&b);
+    const bool is_a = s != nullptr && s->unsplit && !(t != nullptr && t->unsplit);
+    const SegmentFeature<D>& whole = is_a ? *s : *t;
+    const AnyFeature<D>& other = is_a ? b : a;
+    const std::string must_not = absl::StrCat("; ", Text(whole), " is unsplit, and no vertex may ");
+    if (const auto* p = std::get_if<PointFeature<D>>(&other)) {
+      const double away = std::sqrt(geometry::SquaredDistance(p->p, whole.p, whole.q));
+      return absl::StrCat(Text(*p), " lies in the circle over ", ShortText(whole), must_not,
+                          "lie there: give it points at a spacing of at most ", Below(2 * away),
+                          " near point ", p->id, ", or leave it unmarked");
+    }
+    const auto& f = std::get<SegmentFeature<D>>(other);
+    const bool meet = f.p_id == whole.p_id || f.p_id == whole.q_id || f.q_id == whole.p_id ||
+                      f.q_id == whole.q_id;
+    if (meet) {
+      return absl::StrCat(Text(f), " leaves ", ShortText(whole), " in an angle of ",
+                          AngleText<D>(f, whole), must_not, "come nearer than 90 degrees: mark ",
+                          ShortText(f),
+                          " unsplit, too, with points at the same spacing, or turn it");
+    }
+    const double away = std::sqrt(geometry::SquaredDistance(f.p, f.q, whole.p, whole.q));
+    return absl::StrCat(Text(f), " meets the circle over ", ShortText(whole), must_not,
+                        "lie there: give it points at a spacing of at most ", Below(2 * away),
+                        " near ", ShortText(f), ", or mark that unsplit, too");
+  }
+  return "";
+}
+
 struct Verdict {
   const char* reason;
   std::string message;
@@ -178,6 +218,8 @@ Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& 
     case Conflict::kSmallAngle:
       return {reason::kSmallAngle,
               absl::StrCat(pair, " meet in an angle of ", SmallAngleText<D>(a, b))};
+    case Conflict::kEncroached:
+      return {reason::kEncroached, EncroachedText<D>(a, b)};
     default:
       return {reason::kTooClose,
               absl::StrCat(pair, " are nearer than ", Shortest(limit),

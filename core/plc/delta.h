@@ -31,6 +31,8 @@ struct SegmentFeature {
   geometry::Point<D> p{};
   geometry::Point<D> q{};
   std::vector<FeatureId> polygons = {};  // with this edge, ascending
+  bool is_marked = false;                // the segment feature itself is marked unsplit
+  bool unsplit = false;                  // it is, or a polygon with this edge
 
   bool IsOfPolygon() const { return !polygons.empty() && polygons.front() == id; }
   friend bool operator==(const SegmentFeature&, const SegmentFeature&) = default;
@@ -48,6 +50,7 @@ EdgeKey KeyOf(const SegmentFeature<D>& f) {
 struct PolygonFeature {
   FeatureId id = kNoFeature;
   Rings rings;
+  bool unsplit = false;
   friend bool operator==(const PolygonFeature&, const PolygonFeature&) = default;
 };
 

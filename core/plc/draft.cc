@@ -104,6 +104,7 @@ absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
     case FeatureKind::kSegment:
       entry.state = State::kSegment;
       entry.ends = feature.ends;
+      entry.is_marked = feature.unsplit;
       return absl::OkStatus();
     case FeatureKind::kSize:
       entry.state = State::kSize;
@@ -210,7 +211,7 @@ bool Draft<D>::IsAsBefore(const Entry& entry) const {
     }
     case State::kSegment: {
       const SegmentRecord* was = base_.FindSegment(entry.id);
-      return was != nullptr && was->ends == entry.ends;
+      return was != nullptr && was->ends == entry.ends && was->is_marked == entry.is_marked;
     }
     case State::kSize: {
       const SizeFeature<D>* was = base_.FindSize(entry.id);
@@ -220,7 +221,9 @@ bool Draft<D>::IsAsBefore(const Entry& entry) const {
     }
     case State::kPolygon: {
       const Rings* was = base_.FindPolygon(entry.id);
-      return was != nullptr && (entry.given == nullptr || *was == entry.given->rings);
+      return was != nullptr &&
+             (entry.given == nullptr ||
+              (*was == entry.given->rings && base_.IsUnsplit(entry.id) == entry.given->unsplit));
     }
     case State::kAbsent:
       break;
@@ -236,7 +239,8 @@ EditIndex Draft<D>::BlameOf(FeatureId id) const {
 
 template <int D>
 PolygonFeature Draft<D>::PolygonOf(const Entry& entry) const {
-  return {entry.id, entry.given != nullptr ? entry.given->rings : *base_.FindPolygon(entry.id)};
+  if (entry.given != nullptr) return {entry.id, entry.given->rings, entry.given->unsplit};
+  return {entry.id, *base_.FindPolygon(entry.id), base_.IsUnsplit(entry.id)};
 }
 
 template <int D>
@@ -274,6 +278,7 @@ typename Draft<D>::Entry& Draft<D>::Touch(FeatureId id, EditIndex edit) {
     } else if (const SegmentRecord* segment = base_.FindSegment(id)) {
       entry.state = State::kSegment;
       entry.ends = segment->ends;
+      entry.is_marked = segment->is_marked;
     } else if (base_.FindSize(id) != nullptr) {
       entry.state = State::kSize;
     } else if (base_.FindPolygon(id) != nullptr) {

@@ -49,6 +49,7 @@ class Draft {
     State state = State::kAbsent;
     geometry::Point<D> p{};           // kPoint; -0 is +0
     std::array<FeatureId, 2> ends{};  // kSegment
+    bool is_marked = false;           // kSegment: unsplit
     // kPolygon, kSize: as given by the batch; null: as before it.
     const Feature* given = nullptr;
   };

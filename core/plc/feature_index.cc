@@ -1,6 +1,7 @@
 #include "core/plc/feature_index.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/plc/rules.h"
@@ -27,6 +28,9 @@ Slot FeatureIndex<2>::Insert(const SegmentFeature<2>& segment) {
     }
   }
   CountAt(segment, 1);
+  if (segment.unsplit) {
+    placement.circle = unsplit_.try_emplace(LevelOf(segment), grid_).first->second.Insert(segment);
+  }
   if (free_.empty()) {
     placements_.push_back(placement);
     return static_cast<Slot>(placements_.size() - 1);
@@ -40,8 +44,12 @@ Slot FeatureIndex<2>::Insert(const SegmentFeature<2>& segment) {
 void FeatureIndex<2>::EraseSegment(Slot slot) {
   const Placement placement = placements_[slot];
   free_.push_back(slot);
+  const auto forget_circle = [&](const SegmentFeature<2>& segment) {
+    if (segment.unsplit) unsplit_.at(LevelOf(segment)).EraseSegment(placement.circle);
+  };
   if (placement.hub == kNoFeature) {
     CountAt(general_.segment(placement.slot), -1);
+    forget_circle(general_.segment(placement.slot));
     general_.EraseSegment(placement.slot);
     return;
   }
@@ -49,6 +57,7 @@ void FeatureIndex<2>::EraseSegment(Slot slot) {
   Hub& hub = *it->second;
   const SegmentFeature<2>& segment = hub.segments.segment(placement.slot);
   CountAt(segment, -1);
+  forget_circle(segment);
   hub.by_angle.erase({placement.hub == segment.p_id ? segment.q : segment.p, placement.slot});
   hub.segments.EraseSegment(placement.slot);
   if (hub.by_angle.empty()) hubs_.erase(it);
@@ -108,6 +117,42 @@ void FeatureIndex<2>::QueryWithin(const SegmentFeature<2>& s, double distance,
   }
 }
 
+int FeatureIndex<2>::LevelOf(const SegmentFeature<2>& segment) {
+  return std::ilogb(geometry::SquaredDistance(segment.p, segment.q));
+}
+
+double FeatureIndex<2>::MostRadius(int level) {
+  return 0.5 * std::sqrt(std::ldexp(1.0, level + 1));
+}
+
+void FeatureIndex<2>::QueryCircles(const Point2& p, VisitSegment visit_segment,
+                                   std::uint64_t* cost) const {
+  for (const auto& [level, segments] : unsplit_) {
+    segments.QueryWithin(
+        p, MostRadius(level), [](const PointFeature<2>&) {}, visit_segment, cost);
+  }
+}
+
+void FeatureIndex<2>::QueryCircles(const SegmentFeature<2>& s, VisitSegment visit_segment,
+                                   std::uint64_t* cost) const {
+  for (const auto& [level, segments] : unsplit_) {
+    segments.QueryWithin(s, MostRadius(level), visit_segment, cost);
+  }
+}
+
+void FeatureIndex<2>::QueryCircleOver(const SegmentFeature<2>& s, VisitPoint visit_point,
+                                      VisitSegment visit_segment, std::uint64_t* cost) const {
+  const double radius = MostRadius(LevelOf(s));
+  general_.QueryWithin(s, radius, visit_point, visit_segment, cost);
+  const Point2 lo = {{std::min(s.p[0], s.q[0]), std::min(s.p[1], s.q[1])}};
+  const Point2 hi = {{std::max(s.p[0], s.q[0]), std::max(s.p[1], s.q[1])}};
+  for (const auto& [id, hub] : hubs_) {
+    ++*cost;
+    if (!IsNear(*hub, lo, hi, radius)) continue;
+    hub->segments.QueryWithin(s, radius, visit_segment, cost);
+  }
+}
+
 void FeatureIndex<2>::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
                                 VisitSegment visit_segment, std::uint64_t* cost) const {
   general_.QueryNear(s, visit_point, visit_segment, cost);
@@ -150,6 +195,7 @@ void FeatureIndex<2>::VisitNeighbours(const Hub& hub, const Point2& end, VisitSe
 std::size_t FeatureIndex<2>::bytes() const {
   std::size_t sum = general_.bytes() + placements_.size() * sizeof(placements_[0]) +
                     degrees_.capacity() * (sizeof(*degrees_.begin()) + 1);
+  for (const auto& [level, segments] : unsplit_) sum += segments.bytes();
   for (const auto& [id, hub] : hubs_) {
     sum += hub->segments.bytes() + hub->by_angle.size() * sizeof(Spoke);
   }

@@ -19,6 +19,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -70,6 +71,17 @@ class FeatureIndex<2> {
   void QueryWithin(const SegmentFeature<2>& s, double distance, VisitSegment visit_segment,
                    std::uint64_t* cost) const;
 
+  // Of unsplit segments: every one with a circle (the segment is its diameter) that holds `p`, or
+  // meets segment `s`; and maybe others.
+  void QueryCircles(const geometry::Point2& p, VisitSegment visit_segment,
+                    std::uint64_t* cost) const;
+  void QueryCircles(const SegmentFeature<2>& s, VisitSegment visit_segment,
+                    std::uint64_t* cost) const;
+  // Visits every point and segment that meets the circle over `s`, and maybe others. Of the
+  // segments at an end of s it visits all that are as near, thousands at a hub.
+  void QueryCircleOver(const SegmentFeature<2>& s, VisitPoint visit_point,
+                       VisitSegment visit_segment, std::uint64_t* cost) const;
+
   std::size_t node_count() const;
   std::size_t bytes() const;  // about
   std::uint32_t hub_degree() const { return hub_degree_; }
@@ -106,7 +118,12 @@ class FeatureIndex<2> {
   struct Placement {
     FeatureId hub = kNoFeature;  // kNoFeature: in general_
     Slot slot = 0;               // there
+    Slot circle = 0;             // unsplit: in unsplit_
   };
+
+  // Unsplit segments of like length, and the greatest radius of their circles.
+  static int LevelOf(const SegmentFeature<2>& segment);
+  static double MostRadius(int level);
 
   void CountAt(const SegmentFeature<2>& segment, int change);
   FeatureId HubFor(const SegmentFeature<2>& segment) const;
@@ -121,6 +138,7 @@ class FeatureIndex<2> {
   absl::flat_hash_map<FeatureId, std::unique_ptr<Hub>> hubs_;
   absl::flat_hash_map<FeatureId, std::uint32_t> degrees_;  // of points with segments
   LargeVector<Placement> placements_;                      // by slot
+  std::map<int, SpatialIndex<2>> unsplit_;                 // by level
   std::vector<Slot> free_;
 };
 

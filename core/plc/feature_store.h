@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/point.h"
 #include "core/plc/cell_grid.h"
@@ -27,7 +28,8 @@ struct PointRecord {
 
 struct SegmentRecord {
   std::array<FeatureId, 2> ends{};
-  Slot slot = 0;  // in the spatial index
+  Slot slot = 0;           // in the spatial index
+  bool is_marked = false;  // unsplit, by itself
 };
 
 // Two points that are joined by an edge of polygons.
@@ -35,6 +37,7 @@ struct EdgeRecord {
   std::vector<FeatureId> polygons;  // ascending, at least one
   FeatureId segment = kNoFeature;   // the segment feature that joins them as well, if any
   Slot slot = 0;                    // in the spatial index, if there is no segment feature
+  bool unsplit = false;             // for the sake of one of them, or of that segment
 };
 
 template <int D>
@@ -54,6 +57,10 @@ class FeatureStore {
   bool Contains(FeatureId id) const {
     return FindPoint(id) != nullptr || FindSegment(id) != nullptr || FindSize(id) != nullptr ||
            FindPolygon(id) != nullptr;
+  }
+  // Is the polygon marked unsplit?
+  bool IsUnsplit(FeatureId polygon) const {
+    return !unsplit_polygons_.empty() && unsplit_polygons_.contains(polygon);
   }
   const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
   // The segment feature between two points, kNoFeature if there is none. O(segments at one of
@@ -88,7 +95,7 @@ class FeatureStore {
   std::size_t bytes() const {
     const auto of = [](const auto& map) { return map.capacity() * (sizeof(*map.begin()) + 1); };
     return of(points_) + of(segments_) + of(sizes_) + of(polygons_) + of(edges_) +
-           of(segments_at_) + of(corners_) + of(facet_slots_);
+           of(segments_at_) + of(corners_) + of(facet_slots_) + of(unsplit_polygons_);
   }
   const Points& points() const { return points_; }
   const Segments& segments() const { return segments_; }
@@ -100,14 +107,21 @@ class FeatureStore {
   SegmentFeature<D> Expand(FeatureId id, const SegmentRecord& record) const {
     const auto [p, q] = record.ends;
     SegmentFeature<D> f = {id, p, q, points_.at(p).p, points_.at(q).p};
+    f.is_marked = f.unsplit = record.is_marked;
     if (edges_.empty()) return f;
-    if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) f.polygons = edge->polygons;
+    if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) {
+      f.polygons = edge->polygons;
+      f.unsplit = edge->unsplit;
+    }
     return f;
   }
   // An edge of polygons without a segment feature.
   SegmentFeature<D> Expand(const EdgeKey& key, const EdgeRecord& record) const {
     const auto [p, q] = key;
-    return {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p, record.polygons};
+    SegmentFeature<D> f = {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p};
+    f.polygons = record.polygons;
+    f.unsplit = record.unsplit;
+    return f;
   }
 
   // A 3D polygon with its corners' positions.
@@ -134,12 +148,12 @@ class FeatureStore {
   void Add(const SegmentFeature<D>& f, Slot slot) {
     if (!f.polygons.empty()) {
       const bool of_polygon = f.IsOfPolygon();
-      edges_[KeyOf(f)] = {f.polygons, of_polygon ? kNoFeature : f.id, slot};
+      edges_[KeyOf(f)] = {f.polygons, of_polygon ? kNoFeature : f.id, slot, f.unsplit};
       corners_[f.p_id].ends.push_back(f.q_id);
       corners_[f.q_id].ends.push_back(f.p_id);
       if (of_polygon) return;
     }
-    segments_[f.id] = {{f.p_id, f.q_id}, slot};
+    segments_[f.id] = {{f.p_id, f.q_id}, slot, f.is_marked};
     segments_at_[f.p_id].push_back(f.id);
     segments_at_[f.q_id].push_back(f.id);
   }
@@ -149,6 +163,7 @@ class FeatureStore {
   }
   void Add(const PolygonFeature& f) {
     polygons_[f.id] = f.rings;
+    if (f.unsplit) unsplit_polygons_.insert(f.id);
     AddCorners(f.id, f.rings);
   }
   // Stores the slot only: the rings are the polygon's.
@@ -162,6 +177,7 @@ class FeatureStore {
   void RemovePolygon(FeatureId id) {
     RemoveCorners(id, polygons_.at(id));
     polygons_.erase(id);
+    unsplit_polygons_.erase(id);
   }
   // Returns its slot in the spatial index.
   Slot RemoveFacet(FeatureId id) {
@@ -226,6 +242,7 @@ class FeatureStore {
   Segments segments_;
   Sizes sizes_;
   Polygons polygons_;
+  absl::flat_hash_set<FeatureId> unsplit_polygons_;
   Edges edges_;
   // Not in the points' records: most points have none.
   absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;

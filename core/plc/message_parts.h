@@ -29,6 +29,13 @@ std::string Text(const SegmentFeature<D>& f) {
                       f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
 }
 
+// Without its ends.
+template <int D>
+std::string ShortText(const SegmentFeature<D>& f) {
+  if (!f.IsOfPolygon()) return absl::StrCat("segment ", f.id);
+  return absl::StrCat("the edge from point ", f.p_id, " to point ", f.q_id, " of polygon ", f.id);
+}
+
 inline std::string Text(const Facet& f) { return absl::StrCat("polygon ", f.id()); }
 
 template <int D>

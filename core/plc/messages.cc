@@ -119,6 +119,21 @@ absl::Status SizeOfQuadtreeError(FeatureId id, EditIndex edit) {
 }
 
 template <int D>
+absl::Status UnsplitError(const SegmentFeature<D>& segment, const MeshOptions& options,
+                          EditIndex edit) {
+  const char* const where = options.kind == MeshKind::kQuadtree ? "a quadtree, which splits nothing"
+                            : D == 3                            ? "a mesh of three dimensions"
+                                                                : "a mesh of criterion thesis";
+  return Error(
+      absl::StatusCode::kInvalidArgument, reason::kBadUnsplit, {segment.id}, edit,
+      absl::StrCat("feature ", segment.id, " is marked unsplit in ", where,
+                   ": only segments and polygons of planar meshes of criterion edge may be; "
+                   "leave out the mark"));
+}
+template absl::Status UnsplitError(const SegmentFeature<2>&, const MeshOptions&, EditIndex);
+template absl::Status UnsplitError(const SegmentFeature<3>&, const MeshOptions&, EditIndex);
+
+template <int D>
 absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;
   const auto refuse = [&](const char* reason, const std::string& what) {

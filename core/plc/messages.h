@@ -47,6 +47,11 @@ absl::Status CheckPosition(const PointFeature<D>& point, const Box& box, EditInd
 
 absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
 
+// A segment, or an edge of a polygon, that may not be unsplit: in 3D, or in a quadtree.
+template <int D>
+absl::Status UnsplitError(const SegmentFeature<D>& segment, const MeshOptions& options,
+                          EditIndex edit);
+
 // The ids in `missing` (at least one) are ends of a segment or corners of a polygon, but not
 // points.
 absl::Status UnknownEndError(FeatureId feature, std::span<const FeatureId> missing, EditIndex edit);

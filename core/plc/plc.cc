@@ -83,6 +83,7 @@ std::vector<Feature> Plc<D>::Features() const {
   }
   for (const auto& [id, record] : store_.segments()) {
     features.push_back(Feature::Segment(id, record.ends[0], record.ends[1]));
+    features.back().unsplit = record.is_marked;
   }
   for (const auto& [id, size] : store_.sizes()) {
     features.push_back(Feature::Size(id, {0, 0, 0}, size.sizing));
@@ -91,6 +92,7 @@ std::vector<Feature> Plc<D>::Features() const {
   }
   for (const auto& [id, rings] : store_.polygons()) {
     features.push_back(Feature::Polygon(id, rings));
+    features.back().unsplit = store_.IsUnsplit(id);
   }
   std::sort(features.begin(), features.end(),
             [](const Feature& a, const Feature& b) { return a.id < b.id; });
@@ -115,7 +117,7 @@ Delta<D> Plc<D>::FromNothing(Steps& steps) const {
   }
   for (const auto& [id, size] : store_.sizes()) all.added_sizes.push_back(size);
   for (const auto& [id, rings] : store_.polygons()) {
-    all.added_polygons.push_back({id, rings});
+    all.added_polygons.push_back({id, rings, store_.IsUnsplit(id)});
     if constexpr (D == 3) all.added_facets.push_back(store_.FacetOf(id, rings));
   }
   all.Sort();

@@ -7,7 +7,9 @@
 
 #include "core/base/rounding.h"
 #include "core/geometry/collinear.h"
+#include "core/geometry/constructions.h"
 #include "core/geometry/predicates.h"
+#include "core/geometry/segment_distance.h"
 #include "core/geometry/space_predicates.h"
 #include "core/geometry/vectors.h"
 #include "core/plc/validation_terms.h"
@@ -205,6 +207,34 @@ Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t,
     }
   }
   return conflict;
+}
+
+CircleSide SideOfCircle(const PointFeature<2>& p, const SegmentFeature<2>& s) {
+  if (p.id == s.p_id || p.id == s.q_id || !IsOn(ValidationTerm::kCirclesAreEmpty)) {
+    return CircleSide::kOutside;
+  }
+  const int sign = geometry::DiametralBallSign(s.p, s.q, p.p);
+  return sign < 0 ? CircleSide::kInside : sign == 0 ? CircleSide::kOn : CircleSide::kOutside;
+}
+
+bool MayEncroach(const SegmentFeature<2>& f, const SegmentFeature<2>& s, double limit) {
+  if (!s.unsplit || f.unsplit || f.is_marked || !IsOn(ValidationTerm::kNoneCrossesCircles)) return false;
+  const bool at_p = s.p_id == f.p_id || s.p_id == f.q_id,
+             at_q = s.q_id == f.p_id || s.q_id == f.q_id;
+  if (at_p && at_q) return false;  // one edge
+  if (at_p || at_q) {
+    // Vertices of f are far enough from the end for a millionth of a degree not to matter.
+    constexpr double kHair2 = 1e-16;
+    const Point2& apex = at_p ? s.p : s.q;
+    const auto u = Minus(at_p ? s.q : s.p, apex);
+    const auto w = Minus(f.p == apex ? f.q : f.p, apex);
+    const double d = Dot(u, w);
+    return d > 0 && d * d > kHair2 * (Dot(u, u) * Dot(w, w));
+  }
+  const bool is_forward = f.p < f.q;
+  const double reach = std::sqrt(SquaredDistance(s.p, s.q)) / 2 * kWider + limit;
+  return geometry::SquaredDistance(geometry::Midpoint(s.p, s.q), is_forward ? f.p : f.q,
+                                   is_forward ? f.q : f.p) < reach * reach;
 }
 
 template bool IsNear(const Point2&, const Point2&, const Point2&, double);

@@ -39,6 +39,7 @@ enum class Conflict : std::uint8_t {
   kPolygonsMeet,
   kSmallAngle,
   kTooClose,
+  kEncroached,  // 2D: the circle over an unsplit segment
   kNone,
 };
 
@@ -57,6 +58,16 @@ Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double li
 //   3D: segments that do not meet may not be nearer than `limit`.
 template <int D>
 Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double limit);
+
+// 2D. Does p lie inside the circle over s, a segment that is unsplit? If it is on the circle: 0,
+// else not. Neither for an end of s (by id). Exact.
+enum class CircleSide : std::uint8_t { kOutside, kOn, kInside };
+CircleSide SideOfCircle(const PointFeature<2>& p, const SegmentFeature<2>& s);
+
+// 2D. Would splits of `f` be in the way of s? If s is unsplit and f is not (nor marked), f may not
+// come within a radius of the middle of s, nor leave an end of s at less than 90 degrees. In
+// doubles, the same to the bit whatever the directions. `limit`: CloseLimit.
+bool MayEncroach(const SegmentFeature<2>& f, const SegmentFeature<2>& s, double limit);
 
 // Is the angle between apex-a and apex-b, and any larger one up to 180 degrees, certainly no
 // kSmallAngle? In doubles.

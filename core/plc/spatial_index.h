@@ -82,6 +82,11 @@ class SpatialIndex {
   // `distance` away from f, and maybe others.
   void QueryWithin(const SegmentFeature<D>& s, double distance, VisitSegment visit_segment,
                    std::uint64_t* cost) const;
+  // Visits every point and segment less than `distance` away from s, or from p, and maybe others.
+  void QueryWithin(const SegmentFeature<D>& s, double distance, VisitPoint visit_point,
+                   VisitSegment visit_segment, std::uint64_t* cost) const;
+  void QueryWithin(const geometry::Point<D>& p, double distance, VisitPoint visit_point,
+                   VisitSegment visit_segment, std::uint64_t* cost) const;
   void QueryWithin(const Facet& f, double distance, VisitFacet visit_facet,
                    std::uint64_t* cost) const requires(D == 3);
 

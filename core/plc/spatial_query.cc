@@ -220,11 +220,30 @@ void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_poi
 template <int D>
 void SpatialIndex<D>::QueryWithin(const SegmentFeature<D>& s, double distance,
                                   VisitSegment visit_segment, std::uint64_t* cost) const {
-  const auto ignore = [](const auto&) {};
+  QueryWithin(
+      s, distance, [](const PointFeature<D>&) {}, visit_segment, cost);
+}
+
+template <int D>
+void SpatialIndex<D>::QueryWithin(const SegmentFeature<D>& s, double distance,
+                                  VisitPoint visit_point, VisitSegment visit_segment,
+                                  std::uint64_t* cost) const {
+  const auto ignore = [](const Facet&) {};
   const GridSegment<D> segment(s, grid_);
   const double reach = grid_.UnitsOf(distance) + 1;
   Visit(0, grid_.root(),
-        SegmentQuery{&segment, reach, reach, 3 * reach + 4, ignore, visit_segment, ignore, cost});
+        SegmentQuery{&segment, reach, reach, 3 * reach + 4, visit_point, visit_segment, ignore,
+                     cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryWithin(const geometry::Point<D>& p, double distance,
+                                  VisitPoint visit_point, VisitSegment visit_segment,
+                                  std::uint64_t* cost) const {
+  const auto ignore = [](const Facet&) {};
+  Visit(0, grid_.root(),
+        PointQuery{grid_.ToUnits(p), grid_.UnitsOf(distance) + 1, visit_point, visit_segment,
+                   ignore, cost});
 }
 
 template <int D>
@@ -250,6 +269,10 @@ template void SpatialIndex<3>::QueryNear(const SegmentFeature<3>&, VisitPoint, V
 template void SpatialIndex<3>::QueryNear(const Facet&, VisitPoint, VisitSegment, VisitFacet,
                                          std::uint64_t*) const;
 template void SpatialIndex<2>::QueryWithin(const SegmentFeature<2>&, double, VisitSegment,
+                                           std::uint64_t*) const;
+template void SpatialIndex<2>::QueryWithin(const SegmentFeature<2>&, double, VisitPoint,
+                                           VisitSegment, std::uint64_t*) const;
+template void SpatialIndex<2>::QueryWithin(const Point2&, double, VisitPoint, VisitSegment,
                                            std::uint64_t*) const;
 template void SpatialIndex<3>::QueryWithin(const SegmentFeature<3>&, double, VisitSegment,
                                            std::uint64_t*) const;

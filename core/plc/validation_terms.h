@@ -37,6 +37,9 @@ enum class ValidationTerm {
   kFacetsDiffer,
   kAngleOfFacetsAtEdges,
   kAngleOfFacetsAtCorners,
+  kCirclesAreEmpty,     // 2D: those over unsplit segments, of points
+  kCirclesKeepEdges,    // ... also of points on both sides of the circle
+  kNoneCrossesCircles,  // ... and of segments that may be split
   // A batch.
   kLoadsAreChecked,       // many points at once are tested for their distances
   kRemovedIsGone,         // what the batch removes is in the way of nothing

@@ -13,6 +13,7 @@
 #include "core/quality/guarded_gaps.h"
 #include "core/quality/seditious_edges.h"
 #include "core/quality/tetrahedron_quality.h"
+#include "core/quality/unsplit_gaps.h"
 
 namespace dynmesh {
 namespace {
@@ -116,12 +117,14 @@ class Judge<2> {
  public:
   using Quality = TriangleQuality;
 
-  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
+  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit,
+        std::span<const Feature> features)
       : coordinates_(mesh.vertices.coordinates),
         rho_(options.quality),
         unit_(unit),
         seditious_(mesh, row_of),
-        guarded_(mesh, row_of, rho_) {}
+        guarded_(mesh, row_of, rho_),
+        unsplit_(mesh, features, rho_) {}
 
   static Quality Flat() { return dynmesh::Flat(); }
   Quality Measure(const Rows<2>& rows) const {
@@ -143,6 +146,7 @@ class Judge<2> {
     if (shortest > q.shortest_edge && (circumradius <= most || std::isinf(shortest))) {
       return kSmallInputAngle;
     }
+    if (unsplit_.Has(rows)) return kUnsplit;
     return guarded_.Has(rows) ? kTerminationGuard : kOverRho;
   }
 
@@ -153,6 +157,7 @@ class Judge<2> {
   const double rho_, unit_;
   const quality::SeditiousEdges seditious_;
   quality::GuardedGaps guarded_;
+  const quality::UnsplitGaps unsplit_;
 };
 
 template <>
@@ -160,7 +165,8 @@ class Judge<3> {
  public:
   using Quality = TetrahedronQuality;
 
-  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
+  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit,
+        std::span<const Feature>)
       : coordinates_(mesh.vertices.coordinates),
         containing_dimensions_(mesh.vertices.containing_dimensions),
         rho_(options.quality),
@@ -269,9 +275,10 @@ class Judge<3> {
 // Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows` is null if it names an
 // unknown vertex.
 template <int D, class F>
-void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, std::span<const Feature> features,
+                    F f) {
   const RowOf row_of = RowsById(mesh);
-  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates));
+  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates), features);
   for (std::size_t s = 0; s < mesh.simplex_count(); ++s) {
     Rows<D> rows = {};
     bool known = true;
@@ -287,9 +294,10 @@ void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
 }
 
 template <class F>
-void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
-  if (mesh.dimension == 2) return ForEachSimplex<2>(mesh, options, f);
-  if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, f);
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, std::span<const Feature> features,
+                    F f) {
+  if (mesh.dimension == 2) return ForEachSimplex<2>(mesh, options, features, f);
+  if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, features, f);
 }
 
 // Buckets of equal width up to 180 degrees.
@@ -337,20 +345,23 @@ void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQ
 
 }  // namespace
 
-std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options) {
+std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options,
+                                           std::span<const Feature> features) {
   std::vector<SimplexVerdict> verdicts;
   verdicts.reserve(mesh.simplex_count());
-  ForEachSimplex(mesh, options, [&](const auto&, const auto*, const auto&, SimplexVerdict verdict) {
-    verdicts.push_back(verdict);
-  });
+  ForEachSimplex(mesh, options, features,
+                 [&](const auto&, const auto*, const auto&, SimplexVerdict verdict) {
+                   verdicts.push_back(verdict);
+                 });
   return verdicts;
 }
 
-QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
+QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options,
+                             std::span<const Feature> features) {
   QualityReport report;
   report.min_angle_deg = 180;
   std::uint64_t all = 0;
-  ForEachSimplex(mesh, options,
+  ForEachSimplex(mesh, options, features,
                  [&](const auto& judge, const auto* rows, const auto& q, SimplexVerdict verdict) {
                    CountSlivers(judge, rows, q, all++, report);
                    report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
@@ -359,6 +370,7 @@ QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
                    if (IsOverRho(verdict)) ++report.over_rho;
                    if (IsExempt(verdict)) ++report.exempt;
                    if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
+                   if (verdict == SimplexVerdict::kUnsplit) ++report.exempt_by_unsplit;
                    CountAngles(q, report);
                  });
   if (all == 0) return QualityReport();

@@ -106,6 +106,11 @@ absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t 
                            Feature* out) {
   out->id = proto.id();
   if (proto.has_label()) out->label = DecodeLabel(proto.label());
+  out->unsplit = proto.unsplit();
+  if (out->unsplit && (proto.has_point() || proto.has_size())) {
+    return EditError(index, proto.id(), dynmesh::reason::kWrongKind,
+                     "only segments and polygons can be unsplit");
+  }
   switch (proto.geometry_case()) {
     case v1::Feature::kPoint:
       out->kind = FeatureKind::kPoint;
@@ -397,9 +402,11 @@ void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
     case FeatureKind::kSegment:
       out->mutable_segment()->set_p(feature.ends[0]);
       out->mutable_segment()->set_q(feature.ends[1]);
+      out->set_unsplit(feature.unsplit);
       break;
     case FeatureKind::kPolygon:
       EncodeRings(feature.rings, out->mutable_polygon());
+      out->set_unsplit(feature.unsplit);
       break;
     case FeatureKind::kSize:
       EncodeSizing(feature, dimension, out->mutable_size());

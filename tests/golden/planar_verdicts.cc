@@ -82,6 +82,15 @@ constexpr Item kPlanarConflicts[] = {
     {"angle", "add point 30 0.5 0.2500039; add segment 31 1 30"},
     {"angle just large enough", "add point 30 0.5 0.2500048; add segment 31 1 30"},
     {"angle moved", "move point 3 0.5 0.2500039"},
+    {"unsplit, a point on its circle", "set segment 11 1 2 unsplit"},
+    {"unsplit, points on both sides of its circle",
+     "set segment 11 1 2 unsplit; add point 30 0.5 0"},
+    {"unsplit, a point in its circle",
+     "set segment 12 2 3 unsplit; set segment 14 6 7 unsplit; add point 30 0.9375 0.5"},
+    {"unsplit, a segment in its circle", "set segment 14 6 7 unsplit"},
+    {"unsplit, a segment at an acute angle",
+     "set segment 11 1 2 unsplit; add point 30 0.3125 0; add segment 31 1 30"},
+    {"unsplit polygon", "add polygon 30 1 2 3 4 unsplit"},
 };
 
 constexpr Item kPlanarPolygons[] = {

@@ -146,6 +146,7 @@ constexpr Item kFacetConflicts[] = {
     {"close polygons",
      "add point 30 0.125 0.125 0.50000000000000025; add point 31 0.875 0.125 "
      "0.50000000000000025; add point 32 0.5 0.875 0.50000000000000025; add polygon 33 30 31 32"},
+    {"unsplit segment", "set segment 11 5 6 unsplit"},
 };
 
 // These come before the plate, which is then the offender.

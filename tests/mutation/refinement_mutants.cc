@@ -42,6 +42,8 @@ std::span<const Mutant> Mutants() {
       R(kGuardEnds, "TerminationGuard.StarsAroundAPoint"),
       R(kSurfaceCounts, kSegments),
       R(kSurfaceRechecks, "EncroachmentTest/*"),
+      R(kUnsplitKeepsOut, "Unsplit.*"),
+      R(kAnchorsKeepOut, "Unsplit.*"),
       R(kInsideSplits, kSegments),
       R(kHidingSplits, kSegments),
       R(kCascades, kSegments),

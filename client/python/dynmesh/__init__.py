@@ -16,6 +16,7 @@ along cracks. `Mesh.compact()` numbers the whole mesh without gaps.
 from __future__ import annotations
 
 from dynmesh import _core
+from dynmesh._curves import points_along
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._fields import Fields
 from dynmesh._files import FileInput, read_input, read_surface
@@ -80,6 +81,7 @@ __all__ = [
     "Writable",
     "connect",
     "open",
+    "points_along",
     "read_input",
     "read_surface",
     "to_dmplex",

@@ -22,6 +22,7 @@ _FORMS = {
              "high=, rings=, or path= with radius=",
     "labels": "{10: dict(marker=3, name='wall')}, dynmesh.Label or None",
     "remove": "[1, 2, 10]",
+    "unsplit": "True, for all segments and polygons of these edits, or [10, 20], their ids",
 }
 
 
@@ -255,6 +256,18 @@ def _labels(batch: Any, action: str, value: Any, what: str) -> None:
         batch.label(feature, int(label.marker), label.name)
 
 
+def _unsplit(batch: Any, value: Any, what: str) -> None:
+    """`value`: True for all segments and polygons that the batch adds or sets, or their ids."""
+    if value is None or isinstance(value, (bool, np.bool_)):
+        if value:
+            batch.unsplit(None)
+        return
+    missing = batch.unsplit(_ids(value, what).ravel().tolist())
+    if missing:
+        raise ValueError(_expected(what, text=f"{missing[0]} is no segment or polygon that these "
+                                              "edits add or set"))
+
+
 _Adder = Callable[[Any, str, Any, str], None]
 _KINDS: dict[str, _Adder] = {"points": _points, "segments": _segments, "polygons": _polygons,
                              "sizes": _sizes}
@@ -270,8 +283,12 @@ def make(dimension: int, edits: Mapping[str, Any]) -> Any:
     """A batch of `edits`, applied in their order."""
     batch = _core.Batch(dimension)
     for name, value in edits.items():
+        if name == "unsplit":
+            continue
         if name not in _ACTIONS:
-            raise TypeError(f"there is no edit {name}; there are {', '.join(sorted(_ACTIONS))}")
+            raise TypeError(f"there is no edit {name}; there are "
+                            f"{', '.join(sorted([*_ACTIONS, 'unsplit']))}")
         function, action = _ACTIONS[name]
         function(batch, action, value, name)
+    _unsplit(batch, edits.get("unsplit"), "unsplit")
     return batch

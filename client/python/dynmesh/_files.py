@@ -40,10 +40,12 @@ class FileInput:
 
 def _edits_of(features: list[dict[str, Any]]) -> dict[str, Any]:
     edits: dict[str, Any] = {"add_points": {}, "add_segments": {}, "add_polygons": {},
-                             "add_sizes": {}, "set_labels": {}}
+                             "add_sizes": {}, "set_labels": {}, "unsplit": []}
     for feature in features:
         id_, kind = feature.pop("id"), feature.pop("kind")
         marker, name = feature.pop("marker", 0), feature.pop("name", "")
+        if feature.pop("unsplit", False):
+            edits["unsplit"].append(id_)
         if marker or name:
             edits["set_labels"][id_] = Label(marker, name)
         # The others have one member: a position, ends or rings.

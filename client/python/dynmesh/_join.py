@@ -84,9 +84,29 @@ def _mended(error: DynmeshError, features: list[dict[str, Any]],
     present = edits.get("set_polygons", {})
     if not isinstance(present, Mapping):
         present = dict(zip(*present))
+    marked = _marked(edits)
+    kept = {f["id"] for f in features if f.get("unsplit")} - _named(edits)
+    marked += [polygon for polygon in changed if polygon in kept and polygon not in marked]
     # At the end: it acts on polygons that the batch adds.
-    return {**{name: rows for name, rows in edits.items() if name != "set_polygons"},
-            "set_polygons": {**present, **changed}}
+    return {**{name: rows for name, rows in edits.items()
+               if name not in ("set_polygons", "unsplit")},
+            "set_polygons": {**present, **changed}, "unsplit": marked}
+
+
+def _named(edits: Mapping[str, Any]) -> set[int]:
+    """The segments and polygons that the edits add or set."""
+    kinds = ("add_segments", "set_segments", "add_polygons", "set_polygons")
+    rows = [edits[kind] for kind in kinds if kind in edits]
+    return {int(id_) for given in rows
+            for id_ in (given if isinstance(given, Mapping) else given[0])}
+
+
+def _marked(edits: Mapping[str, Any]) -> list[int]:
+    """Those of them that are unsplit."""
+    unsplit = edits.get("unsplit")
+    if unsplit is None or isinstance(unsplit, (bool, np.bool_)):
+        return sorted(_named(edits)) if unsplit else []
+    return [int(id_) for id_ in np.atleast_1d(np.asarray(unsplit))]
 
 
 def apply_joined(edits: dict[str, Any], features: Callable[[], list[dict[str, Any]]],

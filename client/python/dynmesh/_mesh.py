@@ -286,7 +286,10 @@ class Mesh(Writable):
                 positions of two or more vertices. `remove`: ids. `set_labels`: a dict of id to
                 `Label` or dict(marker=, name=), of features present or added before it; None or an
                 empty one takes the label away. Features keep their labels when they are moved or
-                set.
+                set. `unsplit`: True, or the ids of those segments and polygons, of the ones that
+                the batch adds or sets, that are to stay whole: the mesh puts no vertex on them
+                (2D; "Borders that stay whole" in docs/input.md). `points_along` gives a curve its
+                points at a spacing.
             validate_only: checks whether the edits are legal, and changes nothing.
             progress: called during long batches in process with the stage, the steps done and the
                 total (0: unknown). An exception from it cancels the batch.
@@ -316,11 +319,11 @@ class Mesh(Writable):
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
         """Adds any number of features in one batch.
 
-        `edits` (only those that add, and `set_labels` of what they add) and `progress` are as in
-        `apply`.
+        `edits` (only those that add, and `set_labels` and `unsplit` of what they add) and
+        `progress` are as in `apply`.
         """
         for name in edits:
-            if not name.startswith("add_") and name != "set_labels":
+            if not name.startswith("add_") and name not in ("set_labels", "unsplit"):
                 raise TypeError(f"a load adds features: there is no {name}")
         batch = _batch.make(self.dimension, edits)
         return self._edit(lambda: self._backend.load(self, batch, progress))

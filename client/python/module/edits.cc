@@ -1,6 +1,12 @@
 // Batches from columns, features and options as dicts.
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <vector>
+
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "core/base/feature_kinds.h"
@@ -105,6 +111,24 @@ void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict&
   batch.edits.push_back(EditOf(action, feature));
 }
 
+// Marks what the batch adds or sets as unsplit: the segments and polygons with these ids, or all.
+// Returns the ids that it neither adds nor sets as such.
+std::vector<FeatureId> Unsplit(Batch& batch, const std::optional<std::vector<FeatureId>>& ids) {
+  std::set<FeatureId> wanted;
+  if (ids) wanted = {ids->begin(), ids->end()};
+  std::set<FeatureId> found;
+  for (Edit& edit : batch.edits) {
+    const bool is_new = edit.action == Edit::Action::kAdd || edit.action == Edit::Action::kSet;
+    if (!is_new || !Is<ASegment, APolygon>(edit.feature, Not<APoint, ASize>)) continue;
+    if (ids && !wanted.contains(edit.feature.id)) continue;
+    edit.feature.unsplit = true;
+    found.insert(edit.feature.id);
+  }
+  std::vector<FeatureId> missing;
+  std::ranges::set_difference(wanted, found, std::back_inserter(missing));
+  return missing;
+}
+
 void Remove(Batch& batch, const Ids& ids) {
   for (const std::uint64_t id : SpanOf(ids)) batch.edits.push_back(Edit::Remove(id));
 }
@@ -151,6 +175,7 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
         }
         break;
     }
+    if (f.unsplit) d["unsplit"] = true;
     if (f.label) d["marker"] = f.label->marker, d["name"] = f.label->name;
     result.append(d);
   }
@@ -240,6 +265,7 @@ void BindEdits(py::module_& module) {
       .def("segments", &Segments)
       .def("polygon", &Polygon)
       .def("size", &Size)
+      .def("unsplit", &Unsplit, py::arg("ids"))
       .def("remove", &Remove)
       .def("label", &SetLabel);
   module.attr("last_feature_id") = py::int_(kLastFeatureId);

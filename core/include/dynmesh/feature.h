@@ -87,6 +87,23 @@ struct Feature {
   // The client's marker and name, if any; any kind. The mesh does not depend on it. An edit may
   // carry it: Edit says what a missing one means.
   OptionalLabel label = {};
+  // kSegment, kPolygon: in 2D the mesh puts no vertex on it: a segment stays one edge, a polygon's
+  // edges stay edges. A point in which another triangle would get a vertex is left out if it lies
+  // in the circle with such an edge as diameter: the triangle may then stay worse than the mesh's
+  // quality (quality.h, SimplexVerdict::kUnsplit). What would have to lie there is refused
+  // (error.h, ENCROACHED):
+  // a point in the circle, or one on it on either side; a segment that meets the circle, or leaves
+  // an end of the edge at less than 90 degrees, unless that segment is unsplit, too.
+  // An edge of several features is unsplit if one of them is. Not in 3D, in quadtrees, or with
+  // Criterion::kThesis.
+  bool unsplit = false;
+
+  // The same feature, unsplit.
+  Feature Unsplit() const {
+    Feature f = *this;
+    f.unsplit = true;
+    return f;
+  }
 
   // A point `id` at (`x`, `y`), in 3D at (`x`, `y`, `z`).
   static Feature Point(FeatureId id, double x, double y, double z = 0) {

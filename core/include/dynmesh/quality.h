@@ -69,8 +69,10 @@ enum class SimplexVerdict : std::uint8_t {
   kOverRho = 2,          // over rho without an excuse
   kTerminationGuard = 3,  // over rho: fixing it would split a subsegment that is too short for its
                           // surroundings already, which might never end
-  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral; in a
-                          // mesh made with that, no tried Steiner point was good
+  kUnsplit = 5,  // over rho: the point that would fix it lies, or lay when it was tried, in the
+                 // circle over an unsplit segment (Feature::unsplit)
+  kBelowDihedral = 4,  // a tetrahedron within rho with a dihedral angle below min_dihedral; in a
+                       // mesh made with that, no tried Steiner point was good
 };
 
 // Is a simplex with the verdict `v` over rho, excused or not?
@@ -80,11 +82,12 @@ inline bool IsOverRho(SimplexVerdict v) {
 
 // Is a simplex over rho with the verdict `v` excused? One within rho needs no excuse: false.
 inline bool IsExempt(SimplexVerdict v) {
-  return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
+  return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard ||
+         v == SimplexVerdict::kUnsplit;
 }
 
 // The verdict on each simplex of `mesh`, in its order. A function of the mesh, of `options`.quality
-// and, in 3D, of `options`.min_dihedral. O(size).
+// and, in 3D, of `options`.min_dihedral. O(size), if something is unsplit O(size lg size).
 //
 // 2D: the guard leaves single triangles. If more than 1,000 are over rho without a small input
 // angle, the others are kOverRho. 3D: exact with the bound rho (1 + h) as rounded, and the guard
@@ -95,7 +98,11 @@ inline bool IsExempt(SimplexVerdict v) {
 // opposite to an edge between segments that it makes short. A tetrahedron may be kBelowDihedral
 // with a least angle slightly above the bound: by up to 1e-9 degrees if the bound is 5 degrees or
 // more, by up to 1e-4 if it is close to 0.
-std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
+//
+// `features`: of the mesh's input, for kUnsplit; points and what is unsplit count. Without them an
+// unsplit segment excuses nothing.
+std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options,
+                                           std::span<const Feature> features = {});
 
 // A tetrahedron with one of the least dihedral angles.
 struct WorstTetrahedron {
@@ -110,12 +117,13 @@ inline constexpr std::size_t kWorstDihedral = 10;
 
 // Quality of a whole mesh.
 struct QualityReport {
-  double worst_radius_edge = 0;       // the largest circumradius / shortest edge
-  double min_angle_deg = 0;           // the least angle, in degrees; dihedral in 3D
-  double max_angle_deg = 0;           // the greatest angle, in degrees; dihedral in 3D
-  std::uint64_t over_rho = 0;         // simplices over rho, exempt ones included
-  std::uint64_t exempt = 0;           // of these, the exempt ones
-  std::uint64_t exempt_by_guard = 0;  // of these, those by kTerminationGuard
+  double worst_radius_edge = 0;         // the largest circumradius / shortest edge
+  double min_angle_deg = 0;             // the least angle, in degrees; dihedral in 3D
+  double max_angle_deg = 0;             // the greatest angle, in degrees; dihedral in 3D
+  std::uint64_t over_rho = 0;           // simplices over rho, exempt ones included
+  std::uint64_t exempt = 0;             // of these, the exempt ones
+  std::uint64_t exempt_by_guard = 0;    // of these, those by kTerminationGuard
+  std::uint64_t exempt_by_unsplit = 0;  // of the exempt ones, those by kUnsplit
   // 2D: angles of all simplices, in steps of 10 degrees: [0, 10), ... [170, 180].
   std::array<std::uint64_t, 18> angle_histogram = {};
   // 3D: dihedral angles of all, six each, in steps of 5 degrees: [0, 5), ... [175, 180].
@@ -137,7 +145,9 @@ struct QualityReport {
 // Measures all simplices of `mesh`, the domain's border included; angles are dihedral in 3D. The
 // bounds are `options`.quality and `options`.min_dihedral. A simplex that names an unknown vertex
 // counts as flat. O(size).
-QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
+// `features`: as for JudgeSimplices.
+QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options,
+                             std::span<const Feature> features = {});
 
 // The local feature size (Def. 1.3.1 of the thesis) at each of n `points` (n x dimension
 // coordinates): the radius of the least ball about the point that meets two disjoint features;

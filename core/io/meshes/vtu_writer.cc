@@ -160,6 +160,8 @@ std::uint8_t ExemptNumber(SimplexVerdict verdict) {
       return 2;
     case SimplexVerdict::kBelowDihedral:
       return 3;
+    case SimplexVerdict::kUnsplit:
+      return 4;
     case SimplexVerdict::kGood:
     case SimplexVerdict::kOverRho:
       return 0;

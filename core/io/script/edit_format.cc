@@ -26,6 +26,8 @@ std::string FormatRings(const Rings& rings) {
   return text;
 }
 
+std::string Mark(bool unsplit) { return unsplit ? Concat(" ", kUnsplitWord) : ""; }
+
 // Its coordinates with `separator` between them.
 std::string FormatPosition(const std::array<double, 3>& position, int dimension,
                            std::string_view separator = " ") {
@@ -81,9 +83,11 @@ std::string FormatEdit(const Edit& edit, int dimension) {
   return Visit(
       f, [&](const APoint&) { return Concat(verb, " ", point()); },
       [&](const ASegment& s) {
-        return Concat(verb, " segment ", s.id, " ", s.ends[0], " ", s.ends[1]);
+        return Concat(verb, " segment ", s.id, " ", s.ends[0], " ", s.ends[1], Mark(s.unsplit));
       },
-      [&](const APolygon& p) { return Concat(verb, " polygon ", p.id, " ", FormatRings(p.rings)); },
+      [&](const APolygon& p) {
+        return Concat(verb, " polygon ", p.id, " ", FormatRings(p.rings), Mark(p.unsplit));
+      },
       [&](const ASize& s) { return Concat(verb, " size ", s.id, " ", FormatSize(f, dimension)); });
 }
 

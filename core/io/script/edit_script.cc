@@ -210,20 +210,28 @@ class ScriptParser {
     if (!p.ok()) return p.status();
     const absl::StatusOr<FeatureId> q = Id(4, "the second end's id");
     if (!q.ok()) return q.status();
-    if (reader_.size() > 5) return TooMany(5);
-    Add({action, Feature::Segment(*id, *p, *q)});
+    const bool unsplit = EndsInUnsplit();
+    if (reader_.size() > (unsplit ? 6 : 5)) return TooMany(unsplit ? 6 : 5);
+    Feature segment = Feature::Segment(*id, *p, *q);
+    segment.unsplit = unsplit;
+    Add({action, std::move(segment)});
     return absl::OkStatus();
   }
 
-  // "add|set polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]".
+  // "add|set polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...] [unsplit]".
   absl::Status ParsePolygon(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the polygon's id");
     if (!id.ok()) return id.status();
-    absl::StatusOr<Rings> rings = ParseRings(3, reader_.size());
+    const bool unsplit = EndsInUnsplit();
+    absl::StatusOr<Rings> rings = ParseRings(3, reader_.size() - (unsplit ? 1 : 0));
     if (!rings.ok()) return rings.status();
-    Add({action, Feature::Polygon(*id, *std::move(rings))});
+    Feature polygon = Feature::Polygon(*id, *std::move(rings));
+    polygon.unsplit = unsplit;
+    Add({action, std::move(polygon)});
     return absl::OkStatus();
   }
+
+  bool EndsInUnsplit() const { return reader_.token(reader_.size() - 1) == kUnsplitWord; }
 
   // Tokens begin, ..., end - 1: ids of points, with a lone / between rings. Validation checks the
   // number of points of a ring; an empty ring cannot be written.

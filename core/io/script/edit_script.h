@@ -3,8 +3,9 @@
 //   mesh dim=2 box=x0,y0,x1,y1 rho=1.4142 [criterion=edge|thesis] [hmax=H]    first
 //   mesh dim=2 box=x0,y0,x1,y1 kind=quadtree              or this; in 3D an octree
 //   add point ID X Y              set point ID X Y       move point ID X Y
-//   add segment ID P Q            set segment ID P Q     remove ID
-//   add polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]         its rings, with a lone / between (or set)
+//   add segment ID P Q [unsplit]  set segment ID P Q [unsplit]   remove ID
+//   add polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...] [unsplit]
+//                                 its rings, with a lone / between (or set)
 //   add size ID point X Y H       ... disc X Y RADIUS H  ... box X0 Y0 X1 Y1 H   (or set)
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //                                 ... capsule X1 Y1 X2 Y2 ... RADIUS H    vertices of a polyline
@@ -23,6 +24,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -32,6 +34,9 @@
 #include "dynmesh/options.h"
 
 namespace dynmesh::io {
+
+// Ends the line of a segment or polygon that is to stay whole (Feature::unsplit).
+inline constexpr std::string_view kUnsplitWord = "unsplit";
 
 struct ScriptBatch {
   EditBatch edits;

@@ -48,7 +48,7 @@ long double Distance(Place x, Place a, Place b) {
 const std::vector<std::string> kOrder = {reason::kDuplicatePoint,  reason::kDuplicateSegment,
                                          reason::kSegmentsOverlap, reason::kPointOnSegment,
                                          reason::kSegmentsCross,   reason::kSmallAngle,
-                                         reason::kTooClose};
+                                         reason::kTooClose,        reason::kEncroached};
 
 class Checker {
  public:
@@ -65,6 +65,7 @@ class Checker {
     for (std::size_t i = 0; i < things_.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) CheckPair(things_[j], things_[i]);
     }
+    CheckTies();
   }
 
   NaiveResult Result() {
@@ -135,6 +136,7 @@ class Checker {
   bool IsAsBefore(const Feature& f) const {
     const auto it = before_.find(f.id);
     if (it == before_.end() || it->second.kind != f.kind) return false;
+    if (it->second.unsplit != f.unsplit) return false;
     if (f.kind == FeatureKind::kSegment) return it->second.ends == f.ends;
     if (f.kind == FeatureKind::kPolygon) return it->second.rings == f.rings;
     return it->second.position[0] == f.position[0] && it->second.position[1] == f.position[1];
@@ -297,16 +299,86 @@ class Checker {
                          : g_point          ? PointSegment(g, f)
                                             : SegmentSegment(f, g);
     if (reason == reason::kDuplicateSegment && (s.is_edge || t.is_edge)) reason = "";
+    if (reason.empty() && Encroach(f, g)) reason = reason::kEncroached;
     if (reason.empty()) return;
     // The later is the offender.
-    const auto ends = [](const Thing& thing) {
-      return thing.is_edge ? Pair(std::minmax(thing.f.ends[0], thing.f.ends[1])) : Pair();
-    };
-    const auto f_key = std::tuple(s.blame, f_point ? 0 : 1, f.id, ends(s));
-    const auto g_key = std::tuple(t.blame, g_point ? 0 : 1, g.id, ends(t));
+    const auto f_key = KeyOf(s), g_key = KeyOf(t);
     const auto& key = std::max(f_key, g_key);
     const FeatureId offender = std::get<2>(key), other = offender == f.id ? g.id : f.id;
     Report(std::get<0>(key), std::get<1>(key), reason, {offender, other}, std::get<3>(key));
+  }
+
+  // The order in which things are entered.
+  static std::tuple<long, int, FeatureId, Pair> KeyOf(const Thing& thing) {
+    const Pair ends = thing.is_edge ? Pair(std::minmax(thing.f.ends[0], thing.f.ends[1])) : Pair();
+    return {thing.blame, thing.f.kind == FeatureKind::kPoint ? 0 : 1, thing.f.id, ends};
+  }
+
+  // Negative if the point is in the circle over the segment, 0 on it.
+  Wide CircleSide(const Feature& point, const Feature& s) const {
+    if (point.id == s.ends[0] || point.id == s.ends[1]) return 1;
+    return Dot(PlaceOf(point), PlaceOf(now_.at(s.ends[0])), PlaceOf(now_.at(s.ends[1])));
+  }
+
+  bool Encroach(const Feature& f, const Feature& g) {
+    const bool f_point = f.kind == FeatureKind::kPoint, g_point = g.kind == FeatureKind::kPoint;
+    if (f_point && g_point) return false;
+    if (f_point) return g.unsplit && CircleSide(f, g) < 0;
+    if (g_point) return f.unsplit && CircleSide(g, f) < 0;
+    return f.unsplit != g.unsplit && (f.unsplit ? Crosses(g, f) : Crosses(f, g));
+  }
+
+  // `f` may be split, `s` may not.
+  bool Crosses(const Feature& f, const Feature& s) {
+    const Place a = PlaceOf(now_.at(s.ends[0])), b = PlaceOf(now_.at(s.ends[1])),
+                c = PlaceOf(now_.at(f.ends[0])), d = PlaceOf(now_.at(f.ends[1]));
+    const auto is_acute = [&](Place apex, Place p, Place q) {
+      const auto dot = static_cast<long double>(Dot(apex, p, q));
+      const long double squares =
+          static_cast<long double>(Dot(apex, p, p)) * static_cast<long double>(Dot(apex, q, q));
+      if (dot > 0 && dot * dot < 1e-12L * squares) ambiguous_ = true;
+      return dot > 0;
+    };
+    if (s.ends[0] == f.ends[0]) return is_acute(a, b, d);
+    if (s.ends[0] == f.ends[1]) return is_acute(a, b, c);
+    if (s.ends[1] == f.ends[0]) return is_acute(b, a, d);
+    if (s.ends[1] == f.ends[1]) return is_acute(b, a, c);
+    const long double mx = (static_cast<long double>(a.x) + static_cast<long double>(b.x)) / 2,
+                      my = (static_cast<long double>(a.y) + static_cast<long double>(b.y)) / 2;
+    const auto cx = static_cast<long double>(c.x), cy = static_cast<long double>(c.y),
+               ux = static_cast<long double>(d.x) - cx, uy = static_cast<long double>(d.y) - cy;
+    const long double u2 = ux * ux + uy * uy;
+    const long double t =
+        u2 > 0 ? std::clamp(((mx - cx) * ux + (my - cy) * uy) / u2, 0.0L, 1.0L) : 0;
+    const long double away = std::hypot(cx + t * ux - mx, cy + t * uy - my);
+    const long double bound =
+        std::sqrt(static_cast<long double>(Dot(a, b, b))) / 2 * (1 + 1e-6L) + kLimit;
+    if (std::abs(away - bound) < 1e-9L * bound) ambiguous_ = true;
+    return away < bound;
+  }
+
+  // Two points on the circle over an unsplit segment, one on each side.
+  void CheckTies() {
+    std::vector<const Thing*> points;
+    for (const Thing& thing : things_) {
+      if (thing.f.kind == FeatureKind::kPoint) points.push_back(&thing);
+    }
+    for (const Thing& s : things_) {
+      if (s.f.kind == FeatureKind::kPoint || !s.f.unsplit) continue;
+      const Place a = PlaceOf(now_.at(s.f.ends[0])), b = PlaceOf(now_.at(s.f.ends[1]));
+      for (const Thing* p : points) {
+        for (const Thing* q : points) {
+          if (CircleSide(p->f, s.f) != 0 || CircleSide(q->f, s.f) != 0) continue;
+          if (Sign(Cross(a, b, PlaceOf(p->f))) * Sign(Cross(a, b, PlaceOf(q->f))) >= 0) continue;
+          // Found when the last of the three is entered, if that is s or p.
+          const auto last = std::max({KeyOf(s), KeyOf(*p), KeyOf(*q)});
+          if (last == KeyOf(*q)) continue;
+          const bool is_s = last == KeyOf(s);
+          Report(std::get<0>(last), std::get<1>(last), reason::kEncroached,
+                 {std::get<2>(last), is_s ? p->f.id : s.f.id}, std::get<3>(last));
+        }
+      }
+    }
   }
 
   bool TooClose(long double distance) {

@@ -24,6 +24,8 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   const EditBatch batch = {
       Edit::Add(Feature::Point(1, 0.1, -0.0)),
       Edit::Add(Feature::Segment(2, 1, 3)),
+      Edit::Set(Feature::Segment(2, 1, 3).Unsplit()),
+      Edit::Add(Feature::Polygon(28, {{1, 3, 5}}).Unsplit()),
       Edit::Add(Feature::SizeAt(20, 0.1, 0.2, 0.3)),
       Edit::Set(Feature::SizeDisc(21, 0.1, 0.2, 0.4, 0.3)),
       Edit::Set(Feature::SizeBox(22, 0.1, 0.2, 0.4, 0.5, 0.3)),
@@ -48,6 +50,17 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   EditBatch back;
   ASSERT_TRUE(DecodeEdits(wire, 2, &back).ok());
   EXPECT_EQ(back, batch);
+}
+
+TEST(EditCodec, OnlySegmentsAndPolygonsAreUnsplit) {
+  google::protobuf::RepeatedPtrField<v1::Edit> wire;
+  EncodeEdit(Edit::Add(Feature::Point(1, 0, 0).Unsplit()), 2, wire.Add());
+  EXPECT_FALSE(wire[0].add().unsplit());
+  wire.Mutable(0)->mutable_add()->set_unsplit(true);
+  EditBatch back;
+  const auto error = GetServiceError(DecodeEdits(wire, 2, &back));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->reason, dynmesh::reason::kWrongKind);
 }
 
 TEST(EditCodec, EveryKindOfEditOfSpaceComesBackWithItsZ) {

@@ -83,6 +83,27 @@ TEST(EditScript, HasPolygonsOfAnyNumberOfRings) {
                        Edit::Set(Feature::SizePolygon(10, {{1, 2, 3}, {4, 5, 6}}, 7))}));
 }
 
+TEST(EditScript, SaysWhatStaysWhole) {
+  const auto script = Parse(
+      "mesh\n"
+      "add segment 3 1 2 unsplit\n"
+      "set segment 3 1 2\n"
+      "add polygon 9 1 2 3 / 4 5 6 unsplit  # whole\n");
+  ASSERT_TRUE(script.ok()) << script.status();
+  const EditBatch wanted = {Edit::Add(Feature::Segment(3, 1, 2).Unsplit()),
+                            Edit::Set(Feature::Segment(3, 1, 2)),
+                            Edit::Add(Feature::Polygon(9, {{1, 2, 3}, {4, 5, 6}}).Unsplit())};
+  EXPECT_EQ(script->batches.at(0).edits, wanted);
+  std::string text = "mesh\n";
+  for (const Edit& edit : wanted) text += FormatEdit(edit, 2) + "\n";
+  EXPECT_EQ(Parse(text)->batches.at(0).edits, wanted);
+  for (const char* bad :
+       {"add segment 3 1 unsplit", "add segment 3 1 2 whole", "add segment 3 1 2 unsplit unsplit",
+        "add polygon 9 unsplit", "add polygon 9 1 2 3 / unsplit", "add point 1 0 0 unsplit"}) {
+    EXPECT_FALSE(Parse(std::string("mesh\n") + bad + "\n").ok()) << bad;
+  }
+}
+
 TEST(EditScript, HasCapsulesOfAnyNumberOfVertices) {
   const auto script = Parse(
       "mesh\n"
