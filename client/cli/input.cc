@@ -82,7 +82,8 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
       Concat("Of a ", io::ListOfFormats([](const io::Format& f) { return f.Is(io::kSurface); }),
              ": keep faces as they are. Otherwise those in one plane within the rounding of the "
              "file's numbers become one polygon, whose corners move onto the plane, by 4 roundings "
-             "at most, and `mesh` and `verify` make faces that are finer than --within fewer"));
+             "at most, and `mesh`, `verify` and `load` make faces that are finer than --within "
+             "fewer"));
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
                        "Of 3D input: join faces that lie in one plane and share edges");
@@ -110,17 +111,17 @@ void AddMapFlags(CLI::App& command, InputFlags& flags) {
 
 void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
   flags.prepare = true;
-  CLI::Option* const exact = command.add_flag(
-      "!--exact", flags.prepare,
-      "Refuse what a mesh refuses. Otherwise a surface, a map or a 2D .poly or .node that a mesh "
-      "refuses is mended first, and so are cracks between a surface's open edges");
+  CLI::Option* const exact =
+      command.add_flag("!--exact", flags.prepare,
+                       "Refuse what a mesh refuses, and keep a surface's faces. Otherwise a "
+                       "surface, a map or a 2D .poly or .node that a mesh "
+                       "refuses is mended first, and so are cracks between a surface's open edges");
   command
       .add_option(
           "--within", flags.within,
           "How far mending, and making a surface coarser, may move an edge or a face, to both "
           "sides (default: 1e-4 of the diagonal of the input's box). Given, 3D .poly, .smesh, .msh "
-          "and .mesh are mended, "
-          "too")
+          "and .mesh are mended, too")
       ->type_name("D")
       ->excludes(exact);
   command
