@@ -39,11 +39,13 @@ Ended BatchRun<D>::Propagate(MeshState<D>& state, Plan plan) {
   };
   const std::uint64_t most_vertices =
       is_fresh ? options.limits.max_vertices : MostVerticesOnTheWay(options.limits);
-  PropagationCost cost(tuning.rebuild, engine);
+  PropagationCost cost(tuning.rebuild, D, engine);
   const auto reason_to_stop = [&] {
     if (IsOverLimits(refinement, most_vertices)) return Ended::kOverLimits;
     if (executed + counters.executed > most_operations) return Ended::kOverWork;
-    if (is_fresh) return Ended::kDone;
+    const bool may_build =
+        executed + counters.executed + engine.operation_count() <= most_operations;
+    if (is_fresh || !may_build) return Ended::kDone;
     const bool is_stale = plan == Plan::kProbe && cost.IsMostlyStale();
     return is_stale || cost.IsTooDear() ? Ended::kTooDear : Ended::kDone;
   };

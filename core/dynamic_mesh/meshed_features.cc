@@ -19,7 +19,7 @@ template <int D>
 void MeshedFeatures<D>::Undo(const plc::Delta<D>& delta) {
   state->refinement.engine().ResetCounters();
   state->features.Apply(delta.Inverse(), state->refinement);
-  PropagationCost cost(tuning.rebuild, state->refinement.engine());
+  PropagationCost cost(tuning.rebuild, D, state->refinement.engine());
   if (!state->refinement.Propagate([&] { return cost.IsTooDear(); })) return BuildPresent();
   state->refinement.ForgetDepthLimit();
   state->diffs.Update(state->refinement, state->features);

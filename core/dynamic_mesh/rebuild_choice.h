@@ -50,8 +50,8 @@ template <class Engine>
 class PropagationCost {
  public:
   // Both must outlive this. REQUIRES: the engine's counters are reset.
-  PropagationCost(const RebuildThresholds& thresholds, const Engine& engine)
-      : thresholds_(thresholds), engine_(engine) {}
+  PropagationCost(const RebuildThresholds& thresholds, int dimension, const Engine& engine)
+      : thresholds_(thresholds), looks_(thresholds.looks[dimension - 2]), engine_(engine) {}
 
   // At the beginning: is so much stale that a rebuild is cheaper?
   bool IsMostlyStale() const {
@@ -66,8 +66,7 @@ class PropagationCost {
       operations_ = operations;
       waiting_ = engine_.waiting();
     }
-    // Notifying a subscriber takes less than 1/200 of the time of running an operation.
-    const std::uint64_t all_done = counters.executed + counters.notified / 256;
+    const std::uint64_t all_done = counters.executed + counters.notified / looks_;
     const std::uint64_t grown = std::max(operations, operations_) - operations_;
     const std::uint64_t done = all_done - std::min(all_done, grown);
     if (done <= thresholds_.at_least_work) return false;
@@ -79,6 +78,7 @@ class PropagationCost {
 
  private:
   const RebuildThresholds& thresholds_;
+  const std::uint64_t looks_;
   const Engine& engine_;
   std::size_t operations_ = 0, waiting_ = 0;  // at the beginning
 };

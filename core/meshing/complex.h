@@ -35,6 +35,10 @@
 
 namespace dynmesh::meshing {
 
+// So many subscribe to a leaf of the vertex tree, or so many balls of subsegments are kept there,
+// before it is split for the next ones. Leaves merge if half as many remain.
+inline constexpr std::size_t kCrowd = 48;
+
 // What is part of the trace's time, and so is read as of an operation: vertices from their birth
 // on, subsegments from their exposure to their death. The rest stands outside of time: input
 // features, facets and sizes change between propagations only; tree, exposures and triangulation
@@ -133,7 +137,14 @@ struct Complex {
   // Records that the operation reads what is in the box.
   void Subscribe(Context& context, const Extent<D>& box) const {
     if constexpr (kTraced) {
-      tree.Cover(box, [&](sac::Place place, sac::Parts parts) { context.Subscribe(place, parts); });
+      const auto subscribe = [&](sac::Place place, sac::Parts parts) {
+        context.Subscribe(place, parts);
+      };
+      if (box.lo == box.hi) return tree.Cover(box, subscribe);  // no cell is too large for a point
+      const auto is_crowded = [&](sac::Place place) {
+        return engine.subscriptions().CountAt(place) >= kCrowd;
+      };
+      tree.CoverToKeep(box, is_crowded, subscribe);
     }
   }
   // Resets the triangulation to the domain's corners, which are the first vertices.
@@ -147,7 +158,8 @@ struct Complex {
   const Engine& engine;  // tells times apart
   ElementStore<D> elements;
 
-  SpatialTree<D> tree;           // vertices, but those of cures
+  // Vertices, but those of cures. What subscribes may split leaves, which no result depends on.
+  mutable SpatialTree<D> tree;
   SpatialTree<D> cured;          // the vertices of cures
   sac::Subscriptions exposures;  // by place: subsegments with balls that meet the cell
   // Vertices published since the last completed propagation.

@@ -37,6 +37,7 @@ class Publisher {
  private:
   bool PublishVertex(VertexIndex v, sac::Stamp at, std::uint32_t triangle);
   bool InsertIntoTriangulation(VertexIndex v, std::uint32_t triangle);
+  bool AreFewSubscribers(std::uint32_t first_child, std::uint32_t parent) const;
   // Leaves merge into their parent: their subscribers now subscribe at the parent.
   void MoveSubscribers(std::uint32_t first_child, std::uint32_t parent);
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
@@ -168,12 +169,34 @@ void Publisher<D, E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   complex_.SetPresent(v, false);
   notifier_.OfVertex(v, false, at);
   if (IsOfCure(vertex)) {
-    complex_.cured.Remove(v, vertex.p, [](std::uint32_t, std::uint32_t) {});
+    complex_.cured.Remove(
+        v, vertex.p, [](std::uint32_t, std::uint32_t) { return true; },
+        [](std::uint32_t, std::uint32_t) {});
   } else if constexpr (kTraced) {
-    complex_.tree.Remove(v, vertex.p, [this](std::uint32_t first_child, std::uint32_t parent) {
-      MoveSubscribers(first_child, parent);
-    });
+    complex_.tree.Remove(
+        v, vertex.p,
+        [this](std::uint32_t first_child, std::uint32_t parent) {
+          return AreFewSubscribers(first_child, parent);
+        },
+        [this](std::uint32_t first_child, std::uint32_t parent) {
+          MoveSubscribers(first_child, parent);
+        });
   }
+}
+
+// May the children's subscribers be the parent's, too, without making it crowded?
+template <int D, template <class> class E>
+bool Publisher<D, E>::AreFewSubscribers(std::uint32_t first_child, std::uint32_t parent) const {
+  if constexpr (kTraced) {
+    std::size_t operations = engine_.subscriptions().CountAt(parent),
+                balls = complex_.exposures.CountAt(parent);
+    for (std::uint32_t child = first_child; child < first_child + (1u << D); ++child) {
+      operations += engine_.subscriptions().CountAt(child);
+      balls += complex_.exposures.CountAt(child);
+    }
+    return 2 * operations <= kCrowd && 2 * balls <= kCrowd;
+  }
+  return true;
 }
 
 template <int D, template <class> class E>
@@ -204,9 +227,8 @@ void Publisher<D, E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   Subsegment& s = complex_.subsegment(i);
   s.exposed = at;
   s.place_count = 0;
-  constexpr std::size_t kCrowd = 48;
   const auto is_crowded = [&](sac::Place place) {
-    return complex_.exposures.at(place).size() >= kCrowd;
+    return complex_.exposures.CountAt(place) >= kCrowd;
   };
   complex_.tree.CoverToKeep(
       complex_.BallOf(s), is_crowded, [&](sac::Place place, sac::Parts parts) {

@@ -119,6 +119,7 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   std::uint64_t visited_nodes() const;
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
+  std::size_t tree_nodes() const { return complex_.tree.node_count(); }
   // True if an insertion or a split was refused because it would be finer than limits allow.
   bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }
   // True if the greatest number of vertices, subsegments or simplices is reached. Then what was

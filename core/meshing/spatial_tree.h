@@ -61,14 +61,15 @@ class SpatialTree {
     leaves_.Append(nodes_[cell.node].leaves, id, p);
   }
 
-  // Removes a point. on_merge(children's first node, parent) is called for each merge, before the
-  // children's nodes are freed. REQUIRES: it was inserted with that id and point.
-  template <class OnMerge>
-  void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
+  // Removes a point. Leaves with few points merge if may_merge(their first node, parent).
+  // on_merge(first node, parent) is called for each merge, before the nodes are freed. REQUIRES: it
+  // was inserted with that id and point.
+  template <class MayMerge, class OnMerge>
+  void Remove(std::uint32_t id, const Point& p, MayMerge may_merge, OnMerge on_merge) {
     Cell cell = LeafOf(p);
     leaves_.Remove(nodes_[cell.node].leaves, id);
     for (NodeIndex n = nodes_[cell.node].parent; n != kNone; n = nodes_[n].parent) {
-      if (!TryMerge(n, on_merge)) break;
+      if (!TryMerge(n, may_merge, on_merge)) break;
     }
   }
 
@@ -211,7 +212,7 @@ class SpatialTree {
     nodes_.reserve(points);
     leaves_.Reserve(points / 2);
   }
-  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t node_count() const { return nodes_.size() - kChildren * free_nodes_.size(); }
   std::size_t bytes() const { return nodes_.size() * sizeof(Node) + leaves_.bytes(); }
 
  private:
@@ -398,18 +399,19 @@ class SpatialTree {
     });
   }
 
-  template <class OnMerge>
-  bool TryMerge(NodeIndex n, OnMerge on_merge) {
+  template <class MayMerge, class OnMerge>
+  bool TryMerge(NodeIndex n, MayMerge may_merge, OnMerge on_merge) {
     const NodeIndex first = nodes_[n].child;
     std::uint32_t sum = 0;
     for (int k = 0; k < kChildren; ++k) {
       const Node& c = nodes_[first + k];
-      if (c.child != kNone) return false;
+      // Its children may have been kept apart, and need not be any longer.
+      if (c.child != kNone && !TryMerge(first + k, may_merge, on_merge)) return false;
       if (c.leaves == kNone) continue;
       if (leaves_.IsLong(c.leaves)) return false;
       sum += leaves_.CountOfFirst(c.leaves);
     }
-    if (sum > Leaves::kCapacity / 2) return false;
+    if (sum > Leaves::kCapacity / 2 || !may_merge(first, n)) return false;
     on_merge(first, n);
     nodes_[n].child = kNone;
     for (int k = 0; k < kChildren; ++k) {

@@ -211,6 +211,7 @@ class Engine : public OperationTable<typename PayloadOf<Program>::Type> {
   }
   // For moving subscriptions when the program's places are rebuilt.
   Subscriptions& subscriptions() { return subscriptions_; }
+  const Subscriptions& subscriptions() const { return subscriptions_; }
   // Operation `id` names `to` in place of `from`, and subscribes to all parts of it. The caller
   // removes its subscription at `from`.
   void ReplacePlace(OpId id, Place from, Place to);

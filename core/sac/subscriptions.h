@@ -34,6 +34,8 @@ class Subscriptions {
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].count};
   }
+  // How many subscribe to `place`, also during a load.
+  std::size_t CountAt(Place place) const { return place < lists_.size() ? lists_[place].count : 0; }
   // The attentive subscribers of `place`.
   std::span<const Subscriber> attentive_at(Place place) const {
     if (place >= lists_.size()) return {};
@@ -53,15 +55,19 @@ class Subscriptions {
   }
 
   // Bulk load, for a run from scratch: until EndLoad subscriptions are only collected, then sorted
-  // by place, so that no list grows step by step. Before EndLoad queries find no entries. Take ends
-  // the load by itself. REQUIRES: there is no subscription yet, and none is removed before EndLoad.
+  // by place, so that no list grows step by step. Before EndLoad only CountAt may be asked. Take
+  // ends the load by itself. REQUIRES: there is no subscription yet, and none is removed before
+  // EndLoad.
   void BeginLoad() { loading_ = true; }
   void EndLoad();
 
   void Add(Place place, std::uint32_t op, Parts parts = kAllParts, bool attentive = false) {
-    if (loading_) return loaded_.push_back({place, {op, parts}, attentive});
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
+    if (loading_) {
+      ++list.count;
+      return loaded_.push_back({place, {op, parts}, attentive});
+    }
     if (kWords * (list.count + std::uint64_t{1}) > list.block.capacity())
       pool_.Resize(list.block, kWords * (list.count + std::uint64_t{1} + list.count / 4));
     Append(list, {op, parts}, attentive);
@@ -157,10 +163,6 @@ class Subscriptions {
 inline void Subscriptions::EndLoad() {
   if (!loading_) return;
   loading_ = false;
-  Place places = 0;
-  for (const Loaded& l : loaded_) places = std::max(places, l.place + 1);
-  if (places > lists_.size()) lists_.resize(places);
-  for (const Loaded& l : loaded_) ++lists_[l.place].count;
   for (List& list : lists_) {
     pool_.Resize(list.block, kWords * list.count);
     list.count = 0;

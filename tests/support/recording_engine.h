@@ -121,6 +121,7 @@ class RecordingEngine {
     }
   }
   sac::Subscriptions& subscriptions() { return subscriptions_; }
+  const sac::Subscriptions& subscriptions() const { return subscriptions_; }
   void ReplacePlace(sac::OpId id, sac::Place, sac::Place to) { subscriptions_.Add(to, id); }
 
  private:

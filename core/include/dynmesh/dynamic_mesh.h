@@ -62,8 +62,8 @@ struct ApplyOptions {
   std::function<bool()> interrupted = nullptr;
   // The most operations to execute for the batch, those of abandoned attempts included; 0: no
   // limit. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT). Building from
-  // scratch takes 2 to 3 operations a vertex. The count of an edit depends on the mesh, not on the
-  // clock. Undoing takes about as many again.
+  // scratch takes 2 to 3 operations a vertex; an edit is not built anew if that would be too many.
+  // The count of an edit depends on the mesh, not on the clock. Undoing takes about as many again.
   std::uint64_t max_operations = 0;
   // Called once, with the diff that Apply would return, after all other checks and before the new
   // revision is visible. For example to write the batch to a journal. If it returns an error the

@@ -76,7 +76,8 @@ class Pair {
     points[id] = p;
   }
   void Remove(std::uint32_t id) {
-    tree.Remove(id, points.at(id), [&](NodeIndex first, NodeIndex parent) {
+    const auto may_merge = [&](NodeIndex, NodeIndex) { return mergeable; };
+    tree.Remove(id, points.at(id), may_merge, [&](NodeIndex first, NodeIndex parent) {
       ++merges;
       for (auto& [box, places] : subscribed) {
         for (int k = 0; k < Tree::kChildren; ++k) {
@@ -128,6 +129,7 @@ class Pair {
   std::map<std::uint32_t, Point> points;
   std::vector<std::pair<Extent<D>, Nodes>> subscribed;
   int merges = 0;
+  bool mergeable = true;
 };
 
 template <int D>
@@ -441,6 +443,23 @@ TEST(SpatialTree, ACrowdedLeafIsSplitForABoxToKeep) {
   const std::size_t nodes = tree.node_count();
   keep(true);
   EXPECT_EQ(tree.node_count(), nodes);
+}
+
+// Leaves that were kept apart merge when a point leaves a cell around them.
+TEST(SpatialTree, LeavesThatMayNotMergeDoSoLater) {
+  test::Random random(test::NewSeed());
+  Pair<2> pair;
+  for (std::uint32_t id = 0; id < 1000; ++id) {
+    pair.Insert(id, PointOf<2>([&] { return id < 900 ? 0.01 * random.Unit() : random.Unit(); }));
+  }
+  pair.mergeable = false;
+  for (std::uint32_t id = 0; id < 990; ++id) pair.Remove(id);
+  EXPECT_EQ(pair.merges, 0);
+  pair.mergeable = true;
+  for (std::uint32_t id = 990; id < 999; ++id) pair.Remove(id);
+  EXPECT_GT(pair.merges, 50);
+  pair.Remove(999);
+  EXPECT_EQ(pair.Path({{0.001, 0.001}}).size(), 1U);
 }
 
 }  // namespace
