@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "client/cleaning/box3.h"
 #include "client/cleaning/collapses.h"
 #include "client/cleaning/contact_index.h"
@@ -95,13 +97,13 @@ class Simplifier {
         NodeRing& nodes = rings.emplace_back();
         for (const FeatureId corner : ring) nodes.push_back(node_of_.at(corner));
       }
-      const auto it = options_.groups.find(f.id);
+      const std::size_t group = options_.group ? options_.group(f.id) : 0;
       const PolygonPieces pieces = PiecesOf(surface_, rings, options_.tolerance);
       pieces_of_[f.id] = pieces.triangles.size();
       for (const auto& t : pieces.triangles) {
         PatchFace face;
         face.Orient(t[0], t[1], t[2]);
-        face.group = it == options_.groups.end() ? 0 : it->second;
+        face.group = static_cast<std::uint32_t>(group);
         face.source = f.id;
         faces.push_back(face);
       }

@@ -31,11 +31,10 @@
 #define DYNMESH_CLIENT_CLEANING_FEATURE_EDGES_H_
 
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
 #include "client/cleaning/clean_surfaces.h"
 #include "dynmesh/feature.h"
@@ -49,8 +48,8 @@ struct FeatureEdgeOptions {
   double angle = 0;      // A, in degrees, kLeastFeatureAngle to kMostFeatureAngle
   double within = 0;     // D, in the input's units; positive, finite
   double tolerance = 0;  // of the cleaning; positive
-  // Of polygons, by id: between different numbers edges stay. 0 for those that are not there.
-  absl::flat_hash_map<FeatureId, std::uint32_t> groups;
+  // Of a polygon: between different numbers edges stay. May be null.
+  std::function<std::size_t(FeatureId)> group = {};
   bool holes = true;  // polygons may keep several rings; else they become triangles
 };
 

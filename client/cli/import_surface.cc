@@ -15,7 +15,6 @@
 #include "client/cli/json.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
-#include "client/preparation/thinning.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/text.h"
 #include "core/io/formats/mesh_output.h"
@@ -98,7 +97,8 @@ absl::Status KeepFeatureEdges(const SurfaceImport& command, SurfaceCleanResult& 
   options.angle = *command.feature_angle;
   options.within = command.within.value_or(cleaning::DefaultWithin(result.features));
   options.tolerance = result.tolerance;
-  options.groups = preparation::GroupsOf(result.features, labels);
+  io::LabelNumbers numbers(labels);
+  options.group = [&](FeatureId id) { return numbers.Of(id); };
   const auto start = std::chrono::steady_clock::now();
   auto kept = cleaning::KeepFeatureEdges(result.features, options);
   if (!kept.ok()) return kept.status();

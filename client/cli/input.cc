@@ -62,7 +62,7 @@ absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& fla
   report = std::move(prepared->report);
   if (report->is_mended || report->is_thinned) {
     prepared->geometry.warnings.push_back(Concat(
-        path, report->is_mended ? ": mended: " : ": coarser: ", preparation::TextOf(*report)));
+        path, report->is_mended ? ": mended: " : ": thinned: ", preparation::TextOf(*report)));
   }
   return std::move(prepared->geometry);
 }
@@ -119,7 +119,7 @@ void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
   command
       .add_option(
           "--within", flags.within,
-          "How far mending, and making a surface coarser, may move an edge or a face, to both "
+          "How far mending and thinning a surface may move an edge or a face, to both "
           "sides (default: 1e-4 of the diagonal of the input's box). Given, 3D .poly, .smesh, .msh "
           "and .mesh are mended, too")
       ->type_name("D")

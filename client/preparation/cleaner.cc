@@ -109,7 +109,6 @@ absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle,
   report.farthest = *farthest;
   if (is_surface_) {
     prepared.geometry.surface = io::JoinFacesInOnePlane(reading_, prepared.geometry);
-    prepared.geometry.options.box = io::BoundingBox(features, raw_.options.dimension);
     report.Add("face joined", prepared.geometry.surface->joined);
   }
   if (raw_.options.dimension == 3) report.open_edges_after = OpenEdgesOf(features).size();

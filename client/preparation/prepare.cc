@@ -133,25 +133,27 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
 
 // `prepared` with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
 // accepts that; else as it is.
-void MakeCoarser(double within, const io::GeometryOptions& reading, Prepared& prepared) {
+void Thin(double within, const io::GeometryOptions& reading, Prepared& prepared) {
   if (!(within > 0)) return;
   Report& report = prepared.report;
   const MeshOptions& mesh = prepared.geometry.options;
   const double rounding = prepared.geometry.rounding.Of(LargestMagnitude(mesh.box, 3));
   const double tolerance = std::max(cleaning::kDefaultSurfaceLimits * LeastDistance(mesh),
                                     std::min(kRoundingsApart * rounding, within / 8));
-  Geometry coarser = prepared.geometry;
-  const ThinningCounts counts = Thin(within, tolerance, coarser);
+  Geometry thinned = prepared.geometry;
+  const ThinningCounts counts = DropCorners(within, tolerance, thinned);
   if (counts.dropped == 0) return;
-  io::JoinFacesInOnePlane(reading, coarser);
-  coarser.options.box = io::BoundingBox(coarser.features, 3);
-  if (!Refusal(coarser).ok()) return;
-  prepared.geometry = std::move(coarser);
+  io::JoinFacesInOnePlane(reading, thinned);
+  if (!Refusal(thinned).ok()) return;
+  prepared.geometry = std::move(thinned);
   report.is_thinned = true;
   report.triangles_read = counts.before;
   report.triangles = counts.after;
   report.farthest = std::min(report.farthest + within, report.within);
   report.tolerance = std::max(report.tolerance, tolerance);
+  if (report.open_edges_after != 0) {
+    report.open_edges_after = OpenEdgesOf(prepared.geometry.features).size();
+  }
   report.Add("point dropped", counts.dropped);
 }
 
@@ -214,7 +216,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     if (is_surface && !reading.keep_facets && (report.is_mended || report.found.ok())) {
       // What fills holes may have to be mended, too.
       const double left = report.within - report.farthest;
-      MakeCoarser(options.fill_holes ? left / 2 : left, reading, prepared);
+      Thin(options.fill_holes ? left / 2 : left, reading, prepared);
     }
     if (options.fill_holes && report.open_edges_after != 0) {
       Fill(*options.fill_holes, reading, prepared);

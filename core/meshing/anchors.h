@@ -333,18 +333,21 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
       return meets(centre, clear + radius) && MayHaveLevel(level, centre, radius);
     });
   };
-  for (const auto& change : changes.features) {
-    const InputFeature<D>& f = change.first;
-    const auto meets = [&](const Point& centre, double radius) {
-      return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
-    };
+  // Of a segment that stays whole: its diametral ball.
+  const auto decide_in_ball = [&](int level, const InputFeature<D>& f) {
     const Point middle = geometry::Midpoint(f.p, f.q);
     const double ball_radius = 0.5 * std::sqrt(geometry::SquaredDistance(f.p, f.q)) * kBarelyWider;
     Extent<D> ball = Extent<D>::Nothing();
     ball.AddBall(middle, ball_radius);
-    const auto meets_ball = [&](const Point& centre, double radius) {
+    return decide_near(level, ball, 0, [&](const Point& centre, double radius) {
       const double reach = (ball_radius + radius) * kBarelyWider;
       return geometry::SquaredDistance(centre, middle) <= reach * reach;
+    });
+  };
+  for (const auto& change : changes.features) {
+    const InputFeature<D>& f = change.first;
+    const auto meets = [&](const Point& centre, double radius) {
+      return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
     };
     // In 3D it may have been an edge of a facet, or be one now.
     const double clear = D == 3 ? kClear : ClearOf(f);
@@ -353,7 +356,7 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
         f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);
     for (auto level = first; level != in_use.end(); ++level) {
       if (!decide_near(*level, BoxOf(f), clear, meets)) return false;
-      if (f.unsplit && !decide_near(*level, ball, 0, meets_ball)) return false;
+      if (f.unsplit && !decide_in_ball(*level, f)) return false;
     }
   }
   if constexpr (D == 3) {

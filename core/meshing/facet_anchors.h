@@ -211,17 +211,10 @@ typename FacetAnchors<D, E>::Known FacetAnchors<D, E>::KnownOf(const Facet& face
   if constexpr (D == 3) {
     const double reach = facet.reach() * kWider + 4 * complex_.rules.ulp();
     const FacetExtent& where = facet.where();
-    Point middle;
-    double radius2 = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
-      const double half = 0.5 * (where.box.hi[k] - where.box.lo[k]) + reach;
-      radius2 += half * half;
-    }
-    radius2 *= kBarelyWider;
+    const auto [middle, radius] = where.BallAround(reach);
     absl::flat_hash_set<std::pair<VertexIndex, VertexIndex>> seen;
     complex_.features.VisitNear(
-        middle, radius2, {complex_.features.kNone, complex_.features.kNone},
+        middle, radius * radius, {complex_.features.kNone, complex_.features.kNone},
         [&](const Point& centre, double half) {
           return where.MayMeet(centre, kCornerOfCube<3> * half * kBarelyWider + reach);
         },
@@ -230,7 +223,7 @@ typename FacetAnchors<D, E>::Known FacetAnchors<D, E>::KnownOf(const Facet& face
           if (!is_edge && !AreDisjoint(facet, f)) return;
           if (seen.emplace(f.a, f.b).second) known.features.push_back({f.p, f.q, is_edge});
         });
-    complex_.facets.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
+    complex_.facets.ForEachNear(middle, radius, [&](const Facet& other) {
       if (where.AreWithin(other.where(), reach) && AreDisjoint(facet.corners(), other.corners())) {
         known.facets.push_back(&other);
       }
@@ -322,16 +315,10 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
     if (facet.corners().size() > kManyCorners) return true;
     const double reach = facet.reach() * kWider;
     const FacetExtent& where = facet.where();
-    Point middle;
-    double radius2 = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
-      const double half = 0.5 * (where.box.hi[k] - where.box.lo[k]) + reach;
-      radius2 += half * half;
-    }
-    bool may = complex_.sizing.LeastTarget(middle, std::sqrt(radius2)) < INFINITY;
+    const auto [middle, radius] = where.BallAround(reach);
+    bool may = complex_.sizing.LeastTarget(middle, radius) < INFINITY;
     complex_.features.VisitNear(
-        middle, radius2, {complex_.features.kNone, complex_.features.kNone},
+        middle, radius * radius, {complex_.features.kNone, complex_.features.kNone},
         [&](const Point& centre, double half) {
           return !may && where.MayMeet(centre, kCornerOfCube<3> * half + reach);
         },
@@ -340,12 +327,10 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
         });
     // Edges of other facets are features. What remains is a corner over the inside of another
     // facet.
-    return may || complex_.facets.AnyNear(middle, std::sqrt(radius2), kNothingHidden,
-                                          [&](const Facet& other) {
-                                            return where.AreWithin(other.where(), reach) &&
-                                                   HasCornerOver(facet, other) &&
-                                                   AreDisjoint(facet.corners(), other.corners());
-                                          });
+    return may || complex_.facets.AnyNear(middle, radius, kNothingHidden, [&](const Facet& other) {
+      return where.AreWithin(other.where(), reach) && HasCornerOver(facet, other) &&
+             AreDisjoint(facet.corners(), other.corners());
+    });
   }
   return false;
 }

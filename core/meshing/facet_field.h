@@ -49,6 +49,22 @@ struct FacetExtent {
     }
     return true;
   }
+  struct Ball {
+    geometry::Point3 centre;
+    double radius;
+  };
+  // Has all that is within `distance` of the box.
+  Ball BallAround(double distance) const {
+    Ball ball;
+    double radius2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ball.centre[k] = 0.5 * (box.lo[k] + box.hi[k]);
+      const double half = 0.5 * (box.hi[k] - box.lo[k]) + distance;
+      radius2 += half * half;
+    }
+    ball.radius = std::sqrt(radius2 * kBarelyWider);
+    return ball;
+  }
   // A lower bound of the distance from x to the facet.
   double LeastDistance(const geometry::Point3& x) const {
     double d2 = 0;

@@ -94,9 +94,11 @@ void AddPlate(double side, double h, double tilt, int points, Random& random, Wa
   }
 }
 
-// The most vertices that come and go when one of the points does. Compares with a run from scratch
-// at the end.
+// The most vertices that come and go when one of the points does. Each fourth scene, nightly each,
+// is compared with a run from scratch at the end.
 std::size_t MostChanged(const WallScene& scene) {
+  static int scenes = 0;
+  const bool is_compared = IsNightly() || scenes++ % 4 == 0;
   const auto mesh = NewMesh(scene.options);
   EditBatch all = AddAll(scene.features);
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
@@ -114,7 +116,9 @@ std::size_t MostChanged(const WallScene& scene) {
       most = std::max(most, diff->added_vertices.size() + diff->removed_vertices.size());
     }
   }
-  EXPECT_EQ(CompareWithScratch(*mesh, true).what, "");
+  if (is_compared) {
+    EXPECT_EQ(CompareWithScratch(*mesh, true).what, "");
+  }
   return most;
 }
 

@@ -2,6 +2,12 @@
 
 namespace dynmesh::io {
 
+std::size_t LabelNumbers::Of(FeatureId id) {
+  if (labels_.markers.empty() && labels_.names.empty()) return 0;
+  return numbers_.try_emplace({labels_.MarkerOf(id), labels_.NameOf(id)}, numbers_.size())
+      .first->second;
+}
+
 void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features) {
   if (labels.markers.empty() && labels.names.empty()) return;
   for (Feature& f : features) f.label = {labels.MarkerOf(f.id), labels.NameOf(f.id)};

@@ -36,6 +36,19 @@ struct FeatureLabels {
   }
 };
 
+// Numbers pairs of a marker and a name: 0 for none of both, equal numbers for equal pairs, in the
+// order of the first question. `labels` outlives it. Not thread-safe.
+class LabelNumbers {
+ public:
+  explicit LabelNumbers(const FeatureLabels& labels) : labels_(labels) {}
+  // O(lg n), O(1) without labels.
+  std::size_t Of(FeatureId id);
+
+ private:
+  const FeatureLabels& labels_;
+  std::map<std::pair<std::int64_t, std::string>, std::size_t> numbers_ = {{{0, ""}, 0}};
+};
+
 // Gives each of `features` its marker and name as its label. Attributes stay behind. A name may be
 // one that a label cannot have: Apply and BuildMesh refuse it. O(n) expected.
 void SetLabels(const FeatureLabels& labels, std::vector<Feature>& features);

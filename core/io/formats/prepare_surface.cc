@@ -1,9 +1,7 @@
 #include "core/io/formats/prepare_surface.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <functional>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -52,13 +50,8 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding&
   joining.holes = options.holes_of_polygons;
   joining.rounding = [&](double x) { return rounding.Of(x); };
   joining.conflicts = FindConflicts;
-  std::map<std::pair<std::int64_t, std::string>, std::size_t> groups = {{{0, ""}, 0}};
-  if (!labels.markers.empty() || !labels.names.empty()) {
-    joining.group = [&](FeatureId id) {
-      return groups.try_emplace({labels.MarkerOf(id), labels.NameOf(id)}, groups.size())
-          .first->second;
-    };
-  }
+  LabelNumbers numbers(labels);
+  joining.group = [&](FeatureId id) { return numbers.Of(id); };
   return coplanar::JoinFlat(std::move(features), joining);
 }
 
@@ -128,6 +121,7 @@ SurfaceCounts JoinFacesInOnePlane(const GeometryOptions& options, Geometry& geom
       Join(options, geometry.rounding, *geometry.labels, std::move(geometry.features));
   geometry.features = std::move(joined.features);
   KeepPlacesOfParts(joined.parts, geometry);
+  geometry.options.box = BoundingBox(geometry.features, 3);
   return CountsOf({}, joined);
 }
 

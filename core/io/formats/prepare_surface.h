@@ -16,8 +16,9 @@ namespace dynmesh::io {
 absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& path,
                                         const GeometryOptions& options);
 
-// Joins faces in the same way, of a surface that has been changed since it was read. Returns how
-// many. REQUIRES: polygons have one ring each; no two points are at one place.
+// Joins faces in the same way, of a surface that has been changed since it was read, and bounds it
+// by a new box. Returns how many. REQUIRES: polygons have one ring each; no two points are at one
+// place.
 SurfaceCounts JoinFacesInOnePlane(const GeometryOptions& options, Geometry& geometry);
 
 }  // namespace dynmesh::io

@@ -89,7 +89,9 @@ TEST(FeatureEdges, BordersBetweenGroupsStay) {
   }
   const std::vector<Feature> input = maker.Features();
   const FeatureId first = CountOf(input, FeatureKind::kPoint) + 1;
-  for (FeatureId k = 0; k < 3 * 8 * 2; ++k) options.groups[first + k] = 1;
+  std::set<FeatureId> inner;
+  for (FeatureId k = 0; k < 3 * 8 * 2; ++k) inner.insert(first + k);
+  options.group = [&](FeatureId id) { return inner.contains(id) ? 1 : 0; };
   const auto kept = KeepFeatureEdges(input, options);
   ASSERT_TRUE(kept.ok()) << kept.status();
   // Both rectangles, of two triangles each.
@@ -100,7 +102,7 @@ TEST(FeatureEdges, BordersBetweenGroupsStay) {
     if (f.kind == FeatureKind::kPoint) at[f.id] = f.position;
     if (f.kind != FeatureKind::kPolygon) continue;
     for (const FeatureId corner : f.rings[0]) {
-      EXPECT_TRUE(options.groups.contains(f.id) ? at.at(corner)[0] <= 3 : at.at(corner)[0] >= 3);
+      EXPECT_TRUE(inner.contains(f.id) ? at.at(corner)[0] <= 3 : at.at(corner)[0] >= 3);
     }
   }
 }
@@ -123,7 +125,9 @@ TEST(FeatureEdges, ABorderBetweenGroupsInAPlaneStaysWithinTheDistance) {
   }
   const std::vector<Feature> input = maker.Features();
   const FeatureId first = CountOf(input, FeatureKind::kPoint) + 1;
-  for (FeatureId k = 0; k < 3 * kSides; ++k) options.groups[first + k] = 1;
+  std::set<FeatureId> inner;
+  for (FeatureId k = 0; k < 3 * kSides; ++k) inner.insert(first + k);
+  options.group = [&](FeatureId id) { return inner.contains(id) ? 1 : 0; };
   const auto kept = KeepFeatureEdges(input, options);
   ASSERT_TRUE(kept.ok()) << kept.status();
   EXPECT_LT(CountOf(kept->features, FeatureKind::kPolygon), maker.face_count() / 2);
@@ -136,7 +140,7 @@ TEST(FeatureEdges, ABorderBetweenGroupsInAPlaneStaysWithinTheDistance) {
     FeatureId whole = f.id;
     for (const auto& [part, of] : kept->parts) whole = part == f.id ? of : whole;
     for (std::size_t k = 0; k < 3; ++k) {
-      groups[{f.rings[0][k], f.rings[0][(k + 1) % 3]}].insert(options.groups.contains(whole));
+      groups[{f.rings[0][k], f.rings[0][(k + 1) % 3]}].insert(inner.contains(whole));
     }
   }
   std::size_t borders = 0;

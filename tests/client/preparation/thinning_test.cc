@@ -169,6 +169,11 @@ TEST_F(ThinningTest, AnOpenSurfaceKeepsItsBorderWithinTheDistance) {
   EXPECT_TRUE(prepared.report.is_thinned);
   EXPECT_EQ(prepared.report.open_edges, 120U);
   ExpectNearAndAccepted(used, prepared);
+  // With a larger distance its border is thinned, too.
+  const Prepared coarser = Of(used, {0.05});
+  ASSERT_EQ(coarser.report.open_loops.size(), 1U);
+  EXPECT_EQ(coarser.report.open_edges_after, coarser.report.open_loops[0].corners.size());
+  EXPECT_LT(coarser.report.open_edges_after, 120U);
   // Filled, it is a polygon, and nothing is open.
   const Prepared filled = Of(used, {.fill_holes = 7.0});
   EXPECT_TRUE(filled.report.is_thinned);
