@@ -71,13 +71,15 @@ def area_of(curve: Array) -> float:
     return float((curve[:, 0] * after[:, 1] - curve[:, 1] * after[:, 0]).sum() / 2)
 
 
-def is_inside(place: Array, curve: Array) -> bool:
-    """Is the place inside the closed curve?"""
+def are_inside(places: Array, curve: Array) -> Array:
+    """Which of the places are inside the closed curve? O(places x curve)."""
+    x, y = places[:, :1], places[:, 1:]
     a, b = curve, np.roll(curve, -1, axis=0)
-    across = (a[:, 1] > place[1]) != (b[:, 1] > place[1])
-    a, b = a[across], b[across]
-    x = a[:, 0] + (place[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-    return bool((x > place[0]).sum() % 2)
+    across = (a[:, 1] > y) != (b[:, 1] > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    inside: Array = (across & (at > x)).sum(axis=1) % 2 == 1
+    return inside
 
 
 def ring_counts(inner: tuple[float, int], outer: tuple[float, int],
@@ -135,8 +137,7 @@ class Band:
         self.polygon = 2**62  # beyond the ids of points, of which there are fewer
         self._mesh: Optional[Mesh] = None
         self._part: Optional[Part] = None
-        self._rings = np.zeros((0, 2))
-        self._shown: dict[str, Array] = {}
+        self._at, self._rings = np.zeros((0, 2)), np.zeros((0, 2))
 
     def meshed(self, frames: dict[str, Frame]) -> tuple[Mesh, Part, Optional[Diff]]:
         """The mesh with its sides in these frames, and the diff that led there."""
@@ -150,18 +151,16 @@ class Band:
             edits: dict[str, Any] = {}
             if not np.array_equal(rings, self._rings):
                 if len(self._rings):
-                    edits["remove"] = np.arange(end, end + len(self._rings)).tolist()
+                    edits["remove"] = list(range(end, end + len(self._rings)))
                 if len(rings):
                     edits["add_points"] = (np.arange(end, end + len(rings)), rings)
-            moved = (at != self._shown["at"]).any(axis=1)
+            moved = (at != self._at).any(axis=1)
             if moved.any():
                 edits["move_points"] = (ids[moved], at[moved])
-            sizes = self._sizes(curves[0], rings)
-            if sizes and len(self._rings):
-                edits["add_sizes"] = sizes
-            elif sizes and moved[:len(curves[0])].any():
-                edits["set_sizes"] = sizes
-            elif not sizes and "size" in self._shown:
+            had, has = len(self._sizes(self._rings)), len(self._sizes(rings))
+            if has > had:
+                edits["add_sizes"] = self._sizes(rings)
+            elif had > has:
                 edits["remove"] = [*edits.get("remove", []), self.polygon + 1]
             if not edits:
                 return self._mesh, self._part, None
@@ -169,7 +168,7 @@ class Band:
         except DynmeshError as error:
             raise self._named(error, np.vstack([at, rings])) from error
         self._part.update(diff)
-        self._note(at, rings, sizes)
+        self._rings, self._at = rings, at
         return self._mesh, self._part, diff
 
     def _opened(self, frames: dict[str, Frame], curves: list[Array],
@@ -184,24 +183,26 @@ class Band:
         else:
             low, high = pivot - reach, pivot + reach
         mesh = open_mesh([low.tolist(), high.tolist()])
-        end = int(self.starts[-1])
-        at = np.vstack(curves)
-        sizes = self._sizes(curves[0], rings)
-        loops = [list(range(a, b)) for a, b in zip(self.starts[:-1].tolist(), self.starts[1:].tolist())]
-        mesh.apply(add_points=(np.arange(1, end + len(rings)), np.vstack([at, rings])),
-                   add_polygons={self.polygon: loops}, unsplit=[self.polygon],
-                   **(dict(add_sizes=sizes) if sizes else {}))
+        at = np.vstack([*curves, rings])
+        edits: dict[str, Any] = dict(add_points=(np.arange(1, len(at) + 1), at),
+                                     add_polygons={self.polygon: self._loops()}, unsplit=[self.polygon])
+        if self._sizes(rings):
+            edits["add_sizes"] = self._sizes(rings)
+        mesh.apply(**edits)
         self._mesh, self._part = mesh, mesh.part(polygons=self.polygon)
-        self._note(at, rings, sizes)
+        self._rings, self._at = rings, np.vstack(curves)
         return mesh, self._part, None
 
-    def _note(self, at: Array, rings: Array, sizes: dict[int, Any]) -> None:
-        self._rings, self._shown = rings, {"at": at, **({"size": at} if sizes else {})}
+    def _loops(self) -> list[list[int]]:
+        """The ids of the points of each curve."""
+        starts = self.starts.tolist()
+        return [list(range(a, b)) for a, b in zip(starts[:-1], starts[1:])]
 
-    def _sizes(self, outer: Array, rings: Array) -> dict[int, Any]:
+    def _sizes(self, rings: Array) -> dict[int, Any]:
+        """The target length in the band. Between rings there is nothing to refine."""
         if self.spacing is None or len(rings):
             return {}
-        return {self.polygon + 1: dict(target=self.spacing, rings=[outer.tolist()])}
+        return {self.polygon + 1: dict(target=self.spacing, rings=self._loops()[:1])}
 
     def origin(self, frames: dict[str, Frame]) -> Array:
         """Of the band's coordinates, in the world."""
@@ -232,15 +233,27 @@ class Band:
         return curves, np.vstack(rings) if rings else np.zeros((0, 2))
 
     def _check_nesting(self, curves: list[Array]) -> None:
+        """Raises unless the inner curves are in the outer one, and beside each other."""
         for k, (side, curve) in enumerate(zip(self.inner, curves[1:]), 1):
-            if not is_inside(curve[0], curves[0]):
-                raise InvalidArgument(f"band {self.name!r}: {side} is not inside {self.outer}: at "
-                                      f"{_place(curve[0])} it is outside, in the frames of now")
+            inside = are_inside(curve, curves[0])
+            if not inside.any():
+                raise InvalidArgument(f"band {self.name!r}: {side} is not inside {self.outer}: it is at "
+                                      f"{_place(curve[0])} in the frames of now")
+            if not inside.all():
+                raise self._touching(curve[~inside][0])
             for other in curves[1:k]:
-                if is_inside(curve[0], other) or is_inside(other[0], curve):
-                    raise InvalidArgument(f"band {self.name!r}: two inner curves are one inside the other, "
-                                          f"at {_place(curve[0])}; a band has one outer curve and inner "
-                                          "curves beside each other: make it two bands")
+                for one, another in ((curve, other), (other, curve)):
+                    inside = are_inside(one, another)
+                    if inside.all():
+                        raise InvalidArgument(
+                            f"band {self.name!r}: two inner curves are one inside the other, at {_place(one[0])}; a "
+                            "band has inner curves beside each other: make it two bands")
+                    if inside.any():
+                        raise self._touching(one[inside][0])
+
+    def _touching(self, place: Array) -> FailedPrecondition:
+        return FailedPrecondition(f"band {self.name!r}: its curves touch or cross near {_place(place)}; between "
+                                  "them there has to be a gap in each position of the parts")
 
     def _named(self, error: DynmeshError, at: Array) -> DynmeshError:
         """The error in terms of the curves."""
@@ -256,8 +269,7 @@ class Band:
                     f"the curves points at a smaller spacing (dynmesh.points_along), or a wider gap: {error}")
         elif reason in ("SEGMENTS_CROSS", "SEGMENTS_OVERLAP", "POINT_ON_SEGMENT", "TOO_CLOSE",
                         "DUPLICATE_POINT", "DUPLICATE_SEGMENT", "OUTSIDE_BOX"):
-            text = (f"band {self.name!r}: its curves touch or cross{where}; between them there has to be a "
-                    f"gap in each position of the parts: {error}")
+            text = f"{self._touching(at[points[0]] if points else at[0])}: {error}"
         else:
             text = f"band {self.name!r}: {error}"
         named = type(error)(text)
