@@ -172,8 +172,8 @@ class Assembly(Writable):
         Between two circles around one centre the band has rings of vertices that do not move. So edges
         flip only where four vertices are on a circle, and an energy of P1 is a continuous
         function of the angle. Give both circles the same spacing rather than the same number of vertices.
-        Between other curves vertices come and go as the mesh needs them: energies have noise, of 1e-3 of
-        their range.
+        Between other curves vertices come and go as the mesh needs them: energies have noise, ten
+        times as much; a `spacing` keeps it low.
 
         Args:
             name: of the band; also of its cells, unless `label` has another.
@@ -212,11 +212,11 @@ class Assembly(Writable):
             self._set(self._pieces, {**self._bands, name: band}, self._frames)
 
     def turn(self, name: str, angle: float) -> Motion:
-        """Turns a part to an angle, in radians, about its frame's pivot; see `place`."""
+        """Turns the part `name` to an `angle`, in radians, about its frame's pivot; see `place`."""
         return self._place_one(name, angle=float(angle))
 
     def move(self, name: str, shift: Any) -> Motion:
-        """Shifts a part to a place, an (x, y) from where its mesh has it; see `place`."""
+        """Puts the part `name` at a `shift`, an (x, y) from where its mesh has it; see `place`."""
         x, y = np.asarray(shift, dtype=np.float64)
         return self._place_one(name, shift=(float(x), float(y)))
 
@@ -275,7 +275,7 @@ class Assembly(Writable):
         return self._state.names
 
     def frame(self, name: str) -> Frame:
-        """Where a part is. Raises `NotFound` if there is no such part."""
+        """Where the part `name` is. Raises `NotFound` if there is no such part."""
         if name not in self._frames:
             there = ", ".join(self._frames) or "none"
             raise NotFound(f"there is no part {name!r}; parts are: {there}")
@@ -292,11 +292,11 @@ class Assembly(Writable):
         return self._state.cells
 
     def vertices(self, name: str) -> slice:
-        """The rows of a part's vertices, in the order of `Part.points`; of a band its own ones."""
+        """The rows of the vertices of the part `name`, in the order of `Part.points`; of a band its own ones."""
         return self._rows(self._state.vertex_starts, name)
 
     def cells_of(self, name: str) -> slice:
-        """The rows of a part's cells, in the order of `Part.cells`, or of a band's."""
+        """The rows of the cells of the part `name`, in the order of `Part.cells`, or of a band's."""
         return self._rows(self._state.cell_starts, name)
 
     @property

@@ -30,14 +30,14 @@ class Frame:
     pivot: tuple[float, float] = (0.0, 0.0)  #: What the turn leaves in its place, in the part's coordinates.
 
     def place(self, points: Array) -> Array:
-        """Places of the part, of the shape (n, 2), in the world. Without a turn or shift they are the same bits."""
+        """The `points` of the part, of the shape (n, 2), in the world; without a turn or shift the same bits."""
         at = np.array(points, dtype=np.float64)
         if self.angle != 0:
             at = self.turn(at - np.array(self.pivot)) + np.array(self.pivot)
         return at + np.array(self.shift) if any(self.shift) else at
 
     def turn(self, vectors: Array) -> Array:
-        """Vectors of the part, of the shape (n, 2), in the world's axes."""
+        """The `vectors` of the part, of the shape (n, 2), in the world's axes."""
         c, s = math.cos(self.angle), math.sin(self.angle)
         turned: Array = np.asarray(vectors) @ np.array([[c, s], [-s, c]])
         return turned
@@ -92,21 +92,32 @@ def ring_counts(inner: tuple[float, int], outer: tuple[float, int],
     """
     width = outer[0] - inner[0]
     first, last = (2 * math.pi * radius / count for radius, count in (inner, outer))
+    heights = _layers(width, first, last, spacing)
+    rings = []
+    for layer, part in enumerate(np.cumsum(heights)[:-1] / sum(heights), 1):
+        radius = inner[0] + width * float(part)
+        edge = spacing if spacing is not None else first + (last - first) * float(part)
+        count = max(3, round(2 * math.pi * radius / edge))
+        beside = ([inner[1]] if layer == 1 else []) + (
+            [outer[1]] if layer == len(heights) - 1 else [])
+        rings.append((radius, _off_beat(count, beside)))
+    return rings
+
+
+def _layers(width: float, first: float, last: float, spacing: Optional[float]) -> list[float]:
+    """Heights, as parts of a sum, of layers between curves with edges of the lengths `first` and `last`."""
     if spacing is not None:
-        first = last = spacing
+        # No ring comes into the circles over edges of the curves, however fine it is.
+        ends = [_LAYER * max((edge + spacing) / 2, 0.75 * edge) for edge in (first, last)]
+        for between in range(round((width - sum(ends)) / (_LAYER * spacing)), -1, -1):
+            heights = [ends[0], *[_LAYER * spacing] * between, ends[1]]
+            if width / sum(heights) * min(ends[0] / first, ends[1] / last) > 0.57:
+                return heights
+        return [width]
     ratio = last / first
     mean = first if abs(ratio - 1) < 1e-6 else (last - first) / math.log(ratio)
     layers = max(1, round(width / (_LAYER * mean)))
-    rings = []
-    for layer in range(1, layers):
-        part = layer / layers
-        if abs(ratio - 1) >= 1e-6:
-            part = (ratio**part - 1) / (ratio - 1)
-        radius = inner[0] + width * part
-        count = max(3, round(2 * math.pi * radius / (first + (last - first) * part)))
-        beside = ([inner[1]] if layer == 1 else []) + ([outer[1]] if layer == layers - 1 else [])
-        rings.append((radius, _off_beat(count, beside)))
-    return rings
+    return [ratio**(layer / layers) for layer in range(layers)]
 
 
 def _off_beat(count: int, beside: list[int]) -> int:
