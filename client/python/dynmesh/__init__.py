@@ -19,7 +19,7 @@ from __future__ import annotations
 from dynmesh import _core
 from dynmesh._assembly import Assembly
 from dynmesh._band import Frame
-from dynmesh._curves import points_along
+from dynmesh._curves import periodic_pairs, points_along
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._fields import Fields
 from dynmesh._files import FileInput, read_input, read_surface
@@ -88,6 +88,7 @@ __all__ = [
     "Writable",
     "connect",
     "open",
+    "periodic_pairs",
     "points_along",
     "read_input",
     "read_surface",

@@ -2,18 +2,18 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from dynmesh import _core
 from dynmesh._band import Band, Frame, Side, check_free, closed_curve, match
-from dynmesh._diff import Diff
 from dynmesh._meshio import to_meshio
-from dynmesh._motion import BandState, Motion, band_state
+from dynmesh._motion import Motion, band_state
 from dynmesh._part import Part
+from dynmesh._pieces import Piece, State, piece_of
 from dynmesh._types import Array, Label
 from dynmesh._write import Writable
 from dynmesh.errors import AlreadyExists, FailedPrecondition, InvalidArgument, NotFound
@@ -24,79 +24,6 @@ if TYPE_CHECKING:
 #: A curve of a band: places, or the name of a part and places in its coordinates.
 Curve = Union[Array, tuple[str, Any]]
 LabelLike = Union[Label, Mapping[str, Any]]
-
-
-@dataclass(frozen=True)
-class _Piece:
-    """A part at a revision, in numbers of its own."""
-
-    part: Part
-    revision: int
-    points: Array
-    cells: Array
-    regions: Array  # of cells, from 0 in the order of `labels`
-    labels: list[Label]  # of regions
-    facets: Array
-    facet_cells: Array
-    owners: Array
-    markers: Array
-    names: Array
-
-
-def _piece(part: Part) -> _Piece:
-    with part.mesh.locked():
-        if part.revision != part.mesh.revision:
-            raise FailedPrecondition("the part is not at the mesh's revision: update the part first")
-        rows = part._region_labels()
-        order = sorted(rows, key=lambda region: rows[region][0])
-        regions = np.zeros(len(part.cells), np.int32)
-        for number, region in enumerate(order):
-            regions[part.cell_regions == region] = number
-        return _Piece(part, part.revision, part.points, part.cells, regions,
-                      [rows[region][1] for region in order], part.facets, part.facet_cells,
-                      part.facet_owners, part.facet_markers, part.facet_names)
-
-
-class _State:
-    """An assembly in one position: nothing of it changes."""
-
-    def __init__(self, pieces: dict[str, _Piece], bands: dict[str, Band], frames: dict[str, Frame],
-                 meshed: dict[str, BandState]) -> None:
-        self.frames, self.meshed, self.pieces, self.bands = frames, meshed, pieces, bands
-        self.names = (*pieces, *bands)
-        own = [meshed[name].own for name in bands]
-        self.vertex_starts = _starts([*(piece.points for piece in pieces.values()), *own])
-        self.points = _frozen(np.vstack([
-            np.zeros((0, 2)), *(frames[name].place(piece.points) for name, piece in pieces.items()),
-            *(at + band.origin(frames) for at, band in zip(own, bands.values()))]))
-        blocks = [piece.cells + start
-                  for piece, start in zip(pieces.values(), self.vertex_starts.tolist())]
-        for name, band in bands.items():
-            blocks.append(meshed[name].cells_among(self._numbers_of(band)))
-        self.cell_starts = _starts(blocks)
-        self.cells = _frozen(np.vstack([np.zeros((0, 3), np.int32), *blocks]).astype(np.int32))
-
-    def _numbers_of(self, band: Band) -> Array:
-        """Of the vertices of a band, those of its curves first, in the assembly."""
-        starts = dict(zip(self.names, self.vertex_starts.tolist()))
-        numbers, own = [], starts[band.name]
-        for side in band.sides:
-            if side.part:
-                numbers.append(starts[side.part] + side.vertices)
-            else:
-                numbers.append(np.arange(own, own + len(side.curve)))
-                own += len(side.curve)
-        end = self.vertex_starts[self.names.index(band.name) + 1]
-        return np.concatenate([*numbers, np.arange(own, end)])
-
-
-def _starts(blocks: Iterable[Array]) -> Array:
-    return np.cumsum([0, *(len(block) for block in blocks)])
-
-
-def _frozen(array: Array) -> Array:
-    array.flags.writeable = False
-    return array
 
 
 class Assembly(Writable):
@@ -126,11 +53,11 @@ class Assembly(Writable):
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
-        self._pieces: dict[str, _Piece] = {}
+        self._pieces: dict[str, Piece] = {}
         self._frames: dict[str, Frame] = {}
         self._bands: dict[str, Band] = {}
         self._motion: Optional[Motion] = None
-        self._state = _State({}, {}, {}, {})
+        self._state = State({}, {}, {}, {})
 
     def __repr__(self) -> str:
         state = self._state
@@ -157,7 +84,7 @@ class Assembly(Writable):
             if part.mesh.dimension != 2:
                 raise InvalidArgument(f"part {name!r}: assemblies are of two dimensions: in space no border stays "
                                       "whole, so that the meshes of two parts do not fit")
-            self._set({**self._pieces, name: _piece(part)}, self._bands, {**self._frames, name: frame})
+            self._set({**self._pieces, name: piece_of(part)}, self._bands, {**self._frames, name: frame})
 
     def band(self, name: str, outer: Curve, inner: Union[Curve, list[Curve]], *,
              spacing: Optional[float] = None, label: LabelLike = Label(),
@@ -245,8 +172,8 @@ class Assembly(Writable):
                     raise InvalidArgument(f"part {name!r}: a frame has finite numbers, and got {frame}")
             for name, piece in self._pieces.items():
                 if piece.part.revision != piece.revision:
-                    raise FailedPrecondition(f"part {name!r} was updated to revision {piece.part.revision} of its mesh: "
-                                             "call Assembly.update")
+                    raise FailedPrecondition(f"part {name!r} was updated to revision {piece.part.revision} "
+                                             "of its mesh: call Assembly.update")
             return self._set(self._pieces, self._bands, {**self._frames, **frames})
 
     def update(self) -> None:
@@ -260,7 +187,7 @@ class Assembly(Writable):
             FailedPrecondition: a part is not at its mesh's revision.
         """
         with self._lock:
-            pieces = {name: _piece(piece.part) for name, piece in self._pieces.items()}
+            pieces = {name: piece_of(piece.part) for name, piece in self._pieces.items()}
             bands = {}
             for name, band in self._bands.items():
                 sides = [match(side.part, pieces[side.part].part, side.curve, k > 0,
@@ -273,6 +200,11 @@ class Assembly(Writable):
     def names(self) -> tuple[str, ...]:
         """The parts, in the order in which they were added, then the bands."""
         return self._state.names
+
+    def part(self, name: str) -> Part:
+        """The part `name`. Raises `NotFound` if there is no such part."""
+        self.frame(name)
+        return self._pieces[name].part
 
     def frame(self, name: str) -> Frame:
         """Where the part `name` is. Raises `NotFound` if there is no such part."""
@@ -333,37 +265,37 @@ class Assembly(Writable):
     def facets(self) -> Array:
         """Numbers of the ends of each facet: (facets, 2), int32: those of parts, curves included, and
         the edges of curves without a part. What is in the assembly is on the left at the border."""
-        return self._facets()[0]
+        return self._state.facets[0]
 
     @property
     def facet_cells(self) -> Array:
         """Numbers of the cells at each facet: (facets, 2), int32; the second is -1 at the border."""
-        return self._facets()[1]
+        return self._state.facets[1]
 
     @property
     def is_border(self) -> Array:
         """Mask of the facets at the border of the whole."""
-        return self._facets()[1][:, 1] < 0
+        return self._state.facets[1][:, 1] < 0
 
     @property
     def facet_parts(self) -> Array:
         """The part or band of each facet, a number in `names`: int32."""
-        return self._facets()[2]
+        return self._state.facets[2]
 
     @property
     def facet_owners(self) -> Array:
         """The feature of each facet in the mesh of its part: uint64; 0 for none, as in bands."""
-        return self._facets()[3]
+        return self._state.facets[3]
 
     @property
     def facet_markers(self) -> Array:
         """The marker of each facet: int64, 0 without one."""
-        return self._facets()[4]
+        return self._state.facets[4]
 
     @property
     def facet_names(self) -> Array:
         """The name of each facet: str, empty without one."""
-        return self._facets()[5]
+        return self._state.facets[5]
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
@@ -384,7 +316,7 @@ class Assembly(Writable):
 
     def _write(self, path: str, choices: dict[str, Any]) -> None:
         rows = self._region_labels()
-        facets, _, parts, owners, markers, names = self._facets()
+        facets, _, parts, owners, markers, names = self._state.facets
         # Features of several meshes have the same ids: they are numbered after the regions.
         keys, which = np.unique(np.column_stack([parts.astype(np.uint64), owners]), axis=0,
                                 return_inverse=True)
@@ -396,39 +328,6 @@ class Assembly(Writable):
         _core.write_rows(self.points, self.cells, self.cell_regions.astype(np.uint64) + 1, facets,
                          which.reshape(-1).astype(np.uint64) + first,
                          [row for row in labels if row[1] or row[2]], path, choices)
-
-    def _facets(self) -> tuple[Array, ...]:
-        state = self._state
-        blocks: list[tuple[Array, ...]] = [(np.zeros((0, 2), np.int32), np.zeros((0, 2), np.int32),
-                                            np.empty(0, np.int32), np.empty(0, np.uint64),
-                                            np.empty(0, np.int64), np.empty(0, object))]
-        for k, (name, piece) in enumerate(state.pieces.items()):
-            cells = piece.facet_cells + np.where(piece.facet_cells < 0, 0, state.cell_starts[k])
-            blocks.append((piece.facets + state.vertex_starts[k], cells, np.full(len(cells), k),
-                           piece.owners, piece.markers, piece.names))
-        for k, (name, band) in enumerate(state.bands.items(), len(state.pieces)):
-            edges = state.meshed[name].border(state._numbers_of(band), band)
-            if len(edges):
-                cells = np.column_stack([np.full(len(edges), -1)] * 2)
-                blocks.append((edges, cells, np.full(len(edges), k),
-                               np.zeros(len(edges), np.uint64), np.full(len(edges), band.border.marker),
-                               np.full(len(edges), band.border.name, object)))
-        facets, cells, parts, owners, markers, names = (np.concatenate(c) for c in zip(*blocks))
-        # The cells of bands beside facets, which are on the left of each edge of theirs.
-        first = state.cell_starts[len(state.pieces)]
-        band_cells = state.cells[first:].astype(np.int64)
-        count = len(state.points)
-        keys = np.concatenate([band_cells[:, i] * count + band_cells[:, (i + 1) % 3] for i in range(3)])
-        order = np.argsort(keys)
-        for column, pair in ((0, facets), (1, facets[:, ::-1])):
-            wanted = pair[:, 0].astype(np.int64) * count + pair[:, 1]
-            at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order),
-                                  max(0, len(keys) - 1))] if len(keys) else np.empty(0, np.int64)
-            if len(keys):
-                found = (keys[at] == wanted) & (cells[:, column] < 0)
-                cells[found, column] = first + at[found] % len(band_cells)
-        return (facets.astype(np.int32), cells.astype(np.int32), parts.astype(np.int32), owners,
-                markers.astype(np.int64), names)
 
     def _check_new(self, name: str) -> None:
         if not isinstance(name, str) or not name:
@@ -454,7 +353,7 @@ class Assembly(Writable):
         k = self._state.names.index(name)
         return slice(int(starts[k]), int(starts[k + 1]))
 
-    def _set(self, pieces: dict[str, _Piece], bands: dict[str, Band], frames: dict[str, Frame]) -> Motion:
+    def _set(self, pieces: dict[str, Piece], bands: dict[str, Band], frames: dict[str, Frame]) -> Motion:
         """Makes the state of these; nothing changes if a band cannot be meshed."""
         former, meshed, diffs = self._state, {}, {}
         done: list[Band] = []
@@ -464,7 +363,7 @@ class Assembly(Writable):
                 done.append(band)
                 unchanged = diffs[name] is None and former.bands.get(name) is band
                 meshed[name] = former.meshed[name] if unchanged else band_state(band, mesh, part)
-            state = _State(pieces, bands, frames, meshed)
+            state = State(pieces, bands, frames, meshed)
         except Exception:
             for band in done:
                 if self._bands.get(band.name) is band:

@@ -13,8 +13,9 @@ from dynmesh._types import Array
 from dynmesh.errors import StaleDiff
 
 if TYPE_CHECKING:
-    from dynmesh._assembly import Assembly, _State
+    from dynmesh._assembly import Assembly
     from dynmesh._mesh import Mesh
+    from dynmesh._pieces import State
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def band_state(band: Band, mesh: Mesh, part: Part) -> BandState:
 class Motion:
     """The change of an assembly by `turn`, `move` or `place`. It carries fields until the next one."""
 
-    def __init__(self, assembly: Assembly, former: _State, present: _State,
+    def __init__(self, assembly: Assembly, former: State, present: State,
                  diffs: dict[str, Optional[Diff]]) -> None:
         self._assembly, self._former, self._present = assembly, former, present
         self._diffs = diffs

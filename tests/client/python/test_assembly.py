@@ -87,7 +87,7 @@ def check_conforming(assembly, whole):
 
 def test_a_part_stays_to_the_bit_while_it_turns():
     assembly = machine()
-    rotor = assembly._pieces["rotor"].part
+    rotor = assembly.part("rotor")
     before = [array.copy() for array in (rotor.points, rotor.cells, rotor.facets)]
     hash_, cells = rotor.mesh.hash, assembly.cells[assembly.cells_of("rotor")]
     stands = assembly.points[assembly.vertices("stator")]
@@ -121,7 +121,7 @@ def test_the_mesh_is_a_function_of_the_frames(spacing):
     around.turn("rotor", 0)
     for a, b in zip(arrays(around), arrays(machine(spacing))):
         assert np.array_equal(a, b)
-    assert np.array_equal(around.points[around.vertices("rotor")], around._pieces["rotor"].part.points)
+    assert np.array_equal(around.points[around.vertices("rotor")], around.part("rotor").points)
 
 
 def test_rings_between_circles_need_no_further_vertices():
@@ -293,7 +293,7 @@ def test_arrays_for_files_and_solvers(tmp_path):
 
 def test_edits_of_a_part_are_taken_by_an_update():
     assembly = machine()
-    rotor = assembly._pieces["rotor"].part
+    rotor = assembly.part("rotor")
     u = assembly.points[assembly.vertices("rotor"), 0]
     diff = rotor.mesh.apply(add_sizes={20_000: dict(target=0.03, at=(0.2, 0.2), radius=0.1)})
     u = rotor.transfer(diff, u)
@@ -350,7 +350,7 @@ def test_a_curve_that_is_split_is_named():
 def test_other_arguments():
     assembly = machine()
     with pytest.raises(dynmesh.AlreadyExists, match="'gap' already"):
-        assembly.add("gap", assembly._pieces["rotor"].part)
+        assembly.add("gap", assembly.part("rotor"))
     with pytest.raises(dynmesh.NotFound, match="no part 'gap'"):
         assembly.turn("gap", 1)
     with pytest.raises(dynmesh.NotFound, match="no part or band 'none'"):
