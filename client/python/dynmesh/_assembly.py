@@ -366,8 +366,10 @@ class Assembly(Writable):
             state = State(pieces, bands, frames, meshed)
         except Exception:
             for band in done:
-                if self._bands.get(band.name) is band:
-                    band.meshed(self._frames)
+                if self._bands.get(band.name) is band:  # back again, in other slots
+                    mesh, part, _ = band.meshed(self._frames)
+                    former.meshed[band.name] = band_state(band, mesh, part)
+                    self._motion = None
             raise
         self._pieces, self._bands, self._frames, self._state = pieces, bands, frames, state
         self._motion = Motion(self, former, state, diffs)

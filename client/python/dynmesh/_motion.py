@@ -177,15 +177,11 @@ class Motion:
     def _in_cells(self, name: str, u: Array, kind: str) -> Array:
         """The rows of a band's cells."""
         was, now = self._former.meshed[name], self._present.meshed[name]
-        diff = self._diffs[name]
         result = np.zeros((len(now.cells), *u.shape[1:]), u.dtype)
-        old = was.by_slot()
+        old = was.by_slot()  # no slot that an edit frees is filled by the same edit
         kept = np.full(len(now.cells), -1)
         there = now.cell_slots < was.slots
         kept[there] = old[now.cell_slots[there]]
-        if diff is not None:
-            numbers = now.by_slot()[diff.patch.added_cells]
-            kept[numbers[numbers >= 0]] = -1
         result[kept >= 0] = u[kept[kept >= 0]]
         new = np.flatnonzero(kept < 0)
         if not new.size:

@@ -244,6 +244,30 @@ def test_a_band_around_two_rotors_and_bands_in_a_row():
     assert assembly.names == ("left", "right", "stator", "gap")
 
 
+def two_machines():
+    assembly = dynmesh.Assembly()
+    for name, x in (("first", -0.5), ("second", 0.5)):
+        curve = circle(0.2, 24, (x, 0))
+        mesh = dynmesh.open(BOX)
+        loops(mesh, {DISC: curve}, unsplit=True)
+        assembly.add(name, mesh.part(polygons=DISC))
+        assembly.band(f"around {name}", circle(0.4, 48, (x, 0)), (name, curve))
+    return assembly
+
+
+def test_either_all_parts_are_placed_or_none():
+    assembly, twin = two_machines(), two_machines()
+    u = np.random.default_rng(4).random(len(assembly.cells))
+    with pytest.raises(dynmesh.FailedPrecondition, match="band 'around second': its curves touch or cross"):
+        assembly.place({"first": dynmesh.Frame(shift=(0.1, 0)), "second": dynmesh.Frame(shift=(0.3, 0))})
+    assert assembly.frame("first") == assembly.frame("second") == dynmesh.Frame()
+    for a, b in zip(arrays(assembly), arrays(twin)):
+        assert np.array_equal(a, b)
+    turn = {"first": dynmesh.Frame(0.1, pivot=(-0.5, 0))}
+    found, expected = (each.place(turn).transfer(u, "P0") for each in (assembly, twin))
+    assert np.allclose(found, expected, rtol=1e-12)
+
+
 def test_an_outer_part_may_move_as_well():
     assembly, other = machine(), machine()
     assembly.place({name: dynmesh.Frame(0.5, (0.1, 0.2)) for name in ("rotor", "stator")})
