@@ -96,7 +96,7 @@ def run(spacing: float, steps: int, out: str) -> None:
     assert rotor.mesh.hash == hash_, "the rotor's mesh has changed"
     assert np.array_equal(assembly.cells[assembly.cells_of("rotor")], rows), "its numbers have"
 
-    every = max(1, steps // 72)
+    every = max(1, steps // 36)
     exact = torque_of_sliding_band(math.tau * np.arange(0, steps, every) / steps)
     off = np.abs(torque[::every] - exact).max() / np.abs(exact).max()
     rough = roughness(energy) / np.ptp(energy)
