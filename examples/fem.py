@@ -65,6 +65,13 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
     return result
 
 
+def is_all_of(part: dynmesh.Part, measure: float) -> bool:
+    """Is the part as large as the domain? The mesh reaches far beyond it."""
+    corners = part.points[part.cells]
+    found = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / math.factorial(part.cells.shape[1] - 1)
+    return abs(found / measure - 1) < 1e-12
+
+
 def vertices_of(part: dynmesh.Part, first: int, last: int) -> np.ndarray:
     """Mask of the vertices on facets of features with ids from `first` to `last`."""
     mask = np.zeros(len(part.points), bool)

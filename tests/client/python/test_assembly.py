@@ -1,4 +1,5 @@
 """Parts that move, and the bands between them."""
+import concurrent.futures
 import math
 
 import meshio
@@ -279,6 +280,21 @@ def test_an_outer_part_may_move_as_well():
     motion = assembly.place({"stator": dynmesh.Frame(1.0, (0.5, 0))})
     check_conforming(assembly, 1.8**2 - 0.3**2)
     assert np.array_equal(motion.transfer(u), u)
+
+
+def test_threads_move_one_after_another():
+    assembly, expected = machine(), machine()
+
+    def turn(seed):
+        for angle in np.random.default_rng(seed).random(15):
+            assembly.turn("rotor", float(angle))
+            assert len(assembly.facets) == len(expected.facets)
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        list(pool.map(turn, range(4)))
+    expected.turn("rotor", assembly.frame("rotor").angle)
+    for a, b in zip(arrays(assembly), arrays(expected)):
+        assert np.array_equal(a, b)
 
 
 def test_arrays_for_files_and_solvers(tmp_path):
