@@ -19,6 +19,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 import dynmesh
+from fem import is_all_of
 from opened import opened
 
 PLATE, CRACK = 7, 20  # the plate's polygon; ids of the crack's segments follow
@@ -73,6 +74,7 @@ def run(mesh: dynmesh.Mesh, edge: float, steps: int, out: str) -> None:
         series.add(step, part, point_data={"displacement": u})
     print(f"stress intensities within {worst:.1%}; edits kept the displacement's integral to "
           f"{lost:.1e} and the crack's area to {closed:.1e}; series in {series.path}")
+    assert is_all_of(part, 4 * WIDTH * HEIGHT), "there are cells outside of the plate"
     assert worst < 0.02, "a stress intensity is wrong"
     assert lost < 1e-11 and closed < 0.01, "an edit changed the displacement"
     print("good")

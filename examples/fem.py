@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
@@ -11,14 +12,14 @@ import dynmesh
 
 
 class Elements:
-    """Mass and stiffness matrices of each cell of a part.
+    """Mass and stiffness matrices of each cell of a part, or of what has `points` and `cells`, too.
 
     `follow`, after each update of the part, assembles the cells that have changed only.
     """
 
-    def __init__(self, part: dynmesh.Part) -> None:
+    def __init__(self, part: Any) -> None:
         self._part = part
-        self._width = part.mesh.dimension + 1
+        self._width = part.points.shape[1] + 1
         shape = (len(part.cells), self._width, self._width)
         self.mass, self.stiffness = np.zeros(shape), np.zeros(shape)
         self._assemble(np.arange(len(part.cells)))
@@ -62,6 +63,13 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
     result = known
     result[free] = found
     return result
+
+
+def is_all_of(part: dynmesh.Part, measure: float) -> bool:
+    """Is the part as large as the domain? The mesh reaches far beyond it."""
+    corners = part.points[part.cells]
+    found = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / math.factorial(part.cells.shape[1] - 1)
+    return abs(found / measure - 1) < 1e-12
 
 
 def vertices_of(part: dynmesh.Part, first: int, last: int) -> np.ndarray:

@@ -78,6 +78,7 @@ def run(mesh: dynmesh.Mesh, steps: int, out: str) -> None:
           "a step for edit, transfer and assembly")
     print(f"heat kept by every edit to {worst:.1e} of it; temperatures {live.min():.3f} to "
           f"{live.max():.3f}; series in {series.path}")
+    assert fem.is_all_of(part, 2 * 1), "there are cells outside of the plate"
     assert worst < 1e-12, "an edit lost heat"
     assert live.min() > -0.05 and live.max() < 1.05, "a temperature is out of bounds"
     assert fem.rebuilt(mesh).hash == mesh.hash, "the mesh is not that of its features"

@@ -80,6 +80,7 @@ def main() -> None:
     print(f"{len(part.points)} vertices, {len(part.cells)} tetrahedra, "
           f"{1e3 * spent / arguments.steps:.1f} ms a step for edit, transfer and assembly; mass kept "
           f"by every edit to {worst:.1e}; series in {series.path}")
+    assert fem.is_all_of(part, 1), "there are cells outside of the room"
     assert worst < 1e-12, "an edit lost mass"
     assert np.ptp(live_age) < 1e-12, "a constant did not stay one"
     assert fem.rebuilt(mesh).hash == mesh.hash, "the mesh is not that of its features"

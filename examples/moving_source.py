@@ -65,6 +65,7 @@ def main() -> None:
     print(f"{min(counts)} to {max(counts)} vertices, {1e3 * spent / arguments.steps:.2f} ms a step "
           f"for edit, transfer and assembly; heat {held:.9g} of {brought:.9g} brought; series in "
           f"{series.path}")
+    assert fem.is_all_of(part, 1), "there are cells outside of the plate"
     assert abs(held / brought - 1) < 1e-8, "heat was lost"
     assert fem.rebuilt(mesh).hash == mesh.hash, "the mesh is not that of its features"
     print("good")

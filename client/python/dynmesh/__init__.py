@@ -11,16 +11,20 @@ A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its 
 so a program's arrays need no renumbering. Free rows have id 0 (vertices) or corners -1 (cells).
 **The mesh reaches far beyond its features**: about six times as far as the box, in 3D eight times.
 `Mesh.part()` is the part in polygons, without gaps, and follows edits; with `open=` it has two sides
-along cracks. `Mesh.compact()` numbers the whole mesh without gaps.
+along cracks. `Mesh.compact()` numbers the whole mesh without gaps. `Assembly` puts parts together
+that move against each other.
 """
 from __future__ import annotations
 
 from dynmesh import _core
-from dynmesh._curves import points_along
+from dynmesh._assembly import Assembly
+from dynmesh._band import Frame
+from dynmesh._curves import periodic_pairs, points_along
 from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
 from dynmesh._fields import Fields
 from dynmesh._files import FileInput, read_input, read_surface
 from dynmesh._mesh import CompactMesh, Mesh
+from dynmesh._motion import Motion
 from dynmesh._part import Part
 from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
 from dynmesh._series import Series
@@ -49,6 +53,7 @@ __version__: str = _core.version
 
 __all__ = [
     "AlreadyExists",
+    "Assembly",
     "Cancelled",
     "CompactMesh",
     "Conflict",
@@ -61,10 +66,12 @@ __all__ = [
     "FailedPrecondition",
     "Fields",
     "FileInput",
+    "Frame",
     "InvalidArgument",
     "Label",
     "LimitExceeded",
     "Mesh",
+    "Motion",
     "NotFound",
     "OutOfRange",
     "Part",
@@ -81,6 +88,7 @@ __all__ = [
     "Writable",
     "connect",
     "open",
+    "periodic_pairs",
     "points_along",
     "read_input",
     "read_surface",

@@ -10,6 +10,7 @@ import numpy as np
 from dynmesh import _batch, _core
 from dynmesh._copies import set_at_vertices
 from dynmesh._diff import Diff
+from dynmesh._meshio import to_meshio
 from dynmesh._rows import check_values
 from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
@@ -218,39 +219,7 @@ class Part(Writable):
             point_data: arrays with one row per vertex of the part, by name.
             cell_data: arrays with one row per cell of the part, by name; of facets they are 0.
         """
-        import meshio
-
-        count, facets = len(self.cell_slots), len(self.facet_owners)
-        labels = self._region_labels()
-        regions, which = np.unique(self.cell_regions, return_inverse=True)
-        rows = [labels[region] for region in regions.tolist()]
-        markers = np.array([row[1].marker for row in rows], np.int64)[which]
-        # The first array is what formats take that have only one.
-        data = {"marker": [markers, self.facet_markers],
-                "region": [np.array([row[0] for row in rows], np.int64)[which],
-                           np.zeros(facets, np.int64)]}
-        for what, given, wanted in (("point_data", point_data, len(self.vertex_slots)),
-                                    ("cell_data", cell_data, count)):
-            for key, values in (given or {}).items():
-                if np.ndim(values) == 0 or len(values) != wanted:
-                    raise InvalidArgument(f"{what}[{key!r}]: the part has {wanted} rows; values by "
-                                          "slot are brought to it by values[part."
-                                          f"{'vertex' if what == 'point_data' else 'cell'}_slots]")
-        for key, values in (cell_data or {}).items():
-            array = np.asarray(values)
-            data[key] = [array, np.zeros((facets, *array.shape[1:]), array.dtype)]
-        none = np.empty(0, np.int64)
-        inside = np.array([row[1].name for row in rows], object)[which]
-        sets = {name: [np.flatnonzero(inside == name), none]
-                for name in sorted({row[1].name for row in rows}) if name}
-        names = self.facet_names
-        behind = " edges" if self.mesh.dimension == 2 else " faces"
-        for name in sorted(set(names.tolist())):
-            if name:
-                sets[name + behind if name in sets else name] = [none, np.flatnonzero(names == name)]
-        blocks = ("triangle", "line") if self.mesh.dimension == 2 else ("tetra", "triangle")
-        return meshio.Mesh(self.points, [(blocks[0], self.cells), (blocks[1], self.facets)],
-                           point_data=dict(point_data or {}), cell_data=data, cell_sets=sets)
+        return to_meshio(self, point_data, cell_data, "the part")
 
     def _region_labels(self) -> dict[int, tuple[int, Label]]:
         """Of each region of the part its number and its label, as in files."""

@@ -11,6 +11,7 @@ import numpy as np
 from dynmesh._types import Array
 
 if TYPE_CHECKING:
+    from dynmesh._assembly import Assembly
     from dynmesh._mesh import Mesh
     from dynmesh._part import Part
 
@@ -24,11 +25,13 @@ class Series:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._steps: list[tuple[float, str]] = []
 
-    def add(self, time: float, mesh: Union[Mesh, Part], point_data: Optional[Mapping[str, Array]] = None,
+    def add(self, time: float, mesh: Union[Mesh, Part, Assembly],
+            point_data: Optional[Mapping[str, Array]] = None,
             cell_data: Optional[Mapping[str, Array]] = None) -> None:
-        """Writes `mesh`, or a part of one, at `time`, and updates the list.
+        """Writes `mesh`, a part of one, or an assembly at `time`, and updates the list.
 
-        `point_data` and `cell_data` are as in `Mesh.to_meshio` or `Part.to_meshio`.
+        `point_data` and `cell_data` are as in `Mesh.to_meshio`, `Part.to_meshio` or
+        `Assembly.to_meshio`.
         """
         name = f"{self.path.stem}_{len(self._steps):05d}.vtu"
         out = mesh.to_meshio(point_data, cell_data)

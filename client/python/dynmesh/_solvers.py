@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from dynmesh._types import Array
 from dynmesh.errors import FailedPrecondition
 
 if TYPE_CHECKING:
+    from dynmesh._assembly import Assembly
     from dynmesh._part import Part
 
 
@@ -47,7 +48,7 @@ class DmplexMesh:
     facets: Array  #: For each facet of the part its point.
 
 
-def to_skfem(part: Part) -> SkfemArrays:
+def to_skfem(part: Union[Part, Assembly]) -> SkfemArrays:
     """The part as arrays for scikit-fem, which is not needed for that. O(part).
 
     A mesh of it is `skfem.MeshTri(arrays.p, arrays.t)`, in 3D `MeshTet`, then
@@ -57,7 +58,7 @@ def to_skfem(part: Part) -> SkfemArrays:
 
     Own regions are as in files: of a plate with an inclusion the plate's is what is beside it.
     """
-    d = part.mesh.dimension
+    d = part.points.shape[1]
     cells = part.cells
     faces = np.sort(np.concatenate([np.delete(cells, k, axis=1) for k in range(d + 1)]), axis=1)
     numbers = _rows_in(np.unique(faces, axis=0), np.sort(part.facets, axis=1))
@@ -70,7 +71,7 @@ def to_skfem(part: Part) -> SkfemArrays:
         {str(name): np.flatnonzero(inside == name) for name in np.unique(inside) if name})
 
 
-def to_dolfinx(part: Part) -> DolfinxMesh:
+def to_dolfinx(part: Union[Part, Assembly]) -> DolfinxMesh:
     """The part as a mesh of DOLFINx, with tags of cells and facets. O(part).
 
     For version 0.5, Debian's `python3-dolfinx`. With `found = dynmesh.to_dolfinx(part)` integrals are
@@ -84,7 +85,7 @@ def to_dolfinx(part: Part) -> DolfinxMesh:
     import ufl
     from mpi4py import MPI
 
-    d = part.mesh.dimension
+    d = part.points.shape[1]
     if not len(part.cells):
         raise FailedPrecondition("the part has no cells, and a mesh of DOLFINx needs some")
     shape = "triangle" if d == 2 else "tetrahedron"
@@ -112,7 +113,7 @@ def to_dolfinx(part: Part) -> DolfinxMesh:
     return DolfinxMesh(mesh, cell_tags, facet_tags, nodes, cells)
 
 
-def to_dmplex(part: Part) -> DmplexMesh:
+def to_dmplex(part: Union[Part, Assembly]) -> DmplexMesh:
     """The part as a `DMPlex` of PETSc, with its edges and faces, and markers as labels. O(part).
 
     For petsc4py 3.18, Debian's. `found.dm.getStratumIS("Face Sets", 7)` are the facets of features
@@ -125,11 +126,11 @@ def to_dmplex(part: Part) -> DmplexMesh:
     if not len(part.cells):
         raise FailedPrecondition("the part has no cells, and a DMPlex needs some")
     dm = PETSc.DMPlex().createFromCellList(
-        part.mesh.dimension, part.cells.astype(PETSc.IntType), part.points, interpolate=True,
+        part.points.shape[1], part.cells.astype(PETSc.IntType), part.points, interpolate=True,
         comm=PETSc.COMM_SELF)
     count = len(part.cells)
     joined = part.facets + count
-    if part.mesh.dimension == 3:  # a face is where its edges meet
+    if part.points.shape[1] == 3:  # a face is where its edges meet
         joined = np.array([[dm.getJoin([a, b])[0], dm.getJoin([b, c])[0]]
                            for a, b, c in joined.tolist()], np.int64)
     facets = np.array([dm.getJoin(pair)[0] for pair in joined.tolist()], np.int64)

@@ -3,7 +3,12 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <tuple>
 
 #include "client/preparation/prepare.h"
 #include "client/python/module/arrays.h"
@@ -84,10 +89,8 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   return result;
 }
 
-}  // namespace
-
-void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
-           const py::dict& choices, bool is_part) {
+void WriteAs(const Mesh& mesh, const MeshOptions& made_with, const std::string& path,
+             const py::dict& choices, bool is_part) {
   OutputChoices output;
   output.part = is_part;
   output.order = choices["order"].cast<int>();
@@ -96,7 +99,6 @@ void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
   output.neighbours = choices["neighbours"].cast<bool>();
   output.voronoi = choices["voronoi"].cast<bool>();
   output.input_markers = choices["input_markers"].cast<bool>();
-  const MeshOptions made_with = OptionsOf(options);
   absl::Status status;
   {
     py::gil_scoped_release release;
@@ -105,11 +107,69 @@ void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
   Check(status);
 }
 
+// A planar mesh of rows that are of no one mesh: vertices have their numbers as ids. `regions` has
+// a row for each cell, `owners` one for each of the edges, `labels` are tuples of id, marker and
+// name.
+void WriteRows(const InArray<double>& points, const InArray<std::int32_t>& cells,
+               const InArray<RegionId>& regions, const InArray<std::int32_t>& edges,
+               const InArray<FeatureId>& owners, const py::list& labels, const std::string& path,
+               const py::dict& choices) {
+  constexpr VertexId kFirst = 1;  // ids are never 0
+  Mesh mesh;
+  const auto coordinates = SpanOf(points);
+  mesh.vertices.coordinates.assign(coordinates.begin(), coordinates.end());
+  const std::size_t count = coordinates.size() / 2;
+  for (std::size_t number = 0; number < count; ++number) {
+    mesh.vertices.ids.push_back(kFirst + number);
+  }
+  mesh.vertices.containing_dimensions.assign(count, 2);
+  mesh.vertices.owners.assign(count, kNoFeature);
+  const auto id_of = [&](std::int32_t number) {
+    Require(number >= 0 && static_cast<std::size_t>(number) < count, "no vertex has this number");
+    return kFirst + static_cast<VertexId>(number);
+  };
+  for (const std::int32_t corner : SpanOf(cells)) mesh.simplices.push_back(id_of(corner));
+  for (std::size_t first = 0; first + 3 <= mesh.simplices.size(); first += 3) {  // the least id
+    const auto corners = mesh.simplices.begin() + static_cast<std::ptrdiff_t>(first);
+    std::rotate(corners, std::min_element(corners, corners + 3), corners + 3);
+  }
+  const auto of_cells = SpanOf(regions);
+  mesh.regions.assign(of_cells.begin(), of_cells.end());
+  const auto ends = SpanOf(edges);
+  const auto of_edges = SpanOf(owners);
+  Require(mesh.regions.size() * 3 == mesh.simplices.size() && of_edges.size() * 2 == ends.size(),
+          "a region for each cell and an owner for each edge");
+  for (std::size_t edge = 0; edge < of_edges.size(); ++edge) {
+    const VertexId a = id_of(ends[2 * edge]), b = id_of(ends[2 * edge + 1]);
+    mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {std::min(a, b), std::max(a, b)});
+    mesh.subsegments.owners.push_back(of_edges[edge]);
+    for (const VertexId end : {a, b}) {
+      mesh.vertices.containing_dimensions[end - kFirst] = 1;
+      mesh.vertices.owners[end - kFirst] = of_edges[edge];
+    }
+  }
+  for (const py::handle& row : labels) {
+    const auto [id, marker, name] = row.cast<std::tuple<FeatureId, std::int64_t, std::string>>();
+    mesh.labels.push_back({id, FeatureLabel{marker, name}});
+  }
+  WriteAs(mesh, MeshOptions{}, path, choices, /*is_part=*/true);
+}
+
+}  // namespace
+
+void Write(const Mesh& mesh, const py::dict& options, const std::string& path,
+           const py::dict& choices, bool is_part) {
+  WriteAs(mesh, OptionsOf(options), path, choices, is_part);
+}
+
 void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));
   module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"),
              py::arg("fill_holes"), py::arg("polygons"), py::arg("keep_facets"));
+  module.def("write_rows", &WriteRows, py::arg("points"), py::arg("cells"), py::arg("regions"),
+             py::arg("edges"), py::arg("owners"), py::arg("labels"), py::arg("path"),
+             py::arg("choices"));
 }
 
 }  // namespace dynmesh::python

@@ -139,3 +139,34 @@ def test_points_along_a_function_are_equally_far_apart():
         dynmesh.points_along(spiral, 0)
     with pytest.raises(ValueError, match="curve"):
         dynmesh.points_along([(0, 0)], 0.1)
+
+
+def box_of(left, right):
+    """A square with names for its left and right side, which have these points."""
+    mesh = dynmesh.open(box=BOX)
+    ring = [*right, *left[::-1]]
+    ids, n = list(range(1, len(ring) + 1)), len(right)
+    chain = {100 + i: (i, i + 1) for i in ids[:-1] if i != n}
+    mesh.apply(add_points=(ids, np.array(ring)), add_polygons={1000: ids}, add_segments=chain, unsplit=True,
+               add_sizes={2000: dict(target=0.05, at=(0.3, 0.4), radius=0.2)},
+               set_labels={id_: dict(name="right" if id_ < 100 + n else "left") for id_ in chain})
+    return mesh.part(polygons=1000)
+
+
+def test_periodic_borders_have_partners():
+    left, right = (dynmesh.points_along([(x, 0.1), (x, 0.9)], 0.09) for x in (0.1, 0.9))
+    part = box_of(left, right)
+    pairs = dynmesh.periodic_pairs(part, "left", "right")
+    assert len(pairs) == len(left)
+    assert np.allclose(part.points[pairs[:, 1]] - part.points[pairs[:, 0]], [0.8, 0], atol=1e-15)
+    assert len(np.unique(pairs)) == 2 * len(left)
+    turn = dynmesh.Frame(np.pi, pivot=(0.5, 0.5))
+    turned = dynmesh.periodic_pairs(part, "left", "right", turn)
+    assert np.allclose(part.points[turned].sum(axis=1), 1, atol=1e-14)
+    with pytest.raises(dynmesh.NotFound, match="no facet of 'top'; names are: 'left', 'right'"):
+        dynmesh.periodic_pairs(part, "left", "top")
+    part = box_of(left, dynmesh.points_along([(0.9, 0.1), (0.9, 0.9)], 0.07))
+    with pytest.raises(dynmesh.InvalidArgument, match="not alike: the vertex of 'left'.*points_along"):
+        dynmesh.periodic_pairs(part, "left", "right")
+    with pytest.raises(dynmesh.InvalidArgument, match="not alike: the vertex of 'right'"):
+        dynmesh.periodic_pairs(part, "right", "left")
