@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -28,7 +27,7 @@ struct Faces {
 
 Faces FacesOf(const std::vector<Feature>& features) {
   Faces faces;
-  std::map<Point3, Corner> at;
+  absl::flat_hash_map<Point3, Corner> at;
   absl::flat_hash_map<FeatureId, Corner> corner_of;
   for (const Feature& f : features) {
     if (!IsPoint(f)) continue;
