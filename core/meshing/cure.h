@@ -75,11 +75,15 @@ class CureWork {
     void AddReach(const Sliver& sliver, const Point& centre, double radius) {
       const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
       reach = std::max(reach, to_centre * kRootWider + radius);
+      around = std::max(around, 2 * radius);  // the candidate is on the ball's surface
     }
     Context& context;
     ReadCover<D> cover;
     std::uint32_t candidate = 0;  // the one being tested
-    bool is_attentive = false;    // a candidate encroached on a subsegment
+    // Untraced. How far from the candidate a cure may be that matters to its refusal; 0 if none
+    // does.
+    double around = 0;
+    bool is_attentive = false;  // a candidate encroached on a subsegment
     // Untraced: no cure that is farther than this from the centre matters to what was found.
     double reach = 0;
   };
@@ -101,8 +105,12 @@ class CureWork {
                    const RefusingFacets::Facet& facet, Reads* reads);
   // True if x, in the sliver's ball, encroaches on a subsegment.
   bool Encroaches(Context& context, const Sliver& sliver, const Point& x);
-  // Untraced. True if an earlier round found nothing for the sliver and would find nothing now.
-  bool IsInVain(Context& context, const Sliver& sliver) const;
+  // Finds before_ and new_cures_; untraced. Without new cures the sliver has no candidate now.
+  void Recall(Context& context, const Sliver& sliver, Reads* reads);
+  void Remember(double around, std::size_t number);
+  // Untraced. Has every cure since an earlier round been too far away to matter to the refusal of
+  // candidate x then? `number` counts the candidates tried.
+  bool IsStillRefused(const Point& x, std::size_t number) const;
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
   // good tetrahedra. Returns whether vertices of cures are in it.
   bool MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
@@ -140,10 +148,19 @@ class CureWork {
   // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
   // the first vertex that was not yet there.
   struct Failed {
-    double reach;
-    VertexIndex first_new;
+    double reach = 0;
+    VertexIndex first_new = 0;
+    bool met_excuse = false;
+    // Of each candidate, by the number it was tried with: Reads::around, rounded up. Those tried
+    // strictly, then the others from ordinal 0 on. Fewer than there are: of the others nothing is
+    // known.
+    std::vector<float> around = {};
   };
   absl::flat_hash_map<sac::Item, Failed> failed_;
+  std::size_t remembered_ = 0;      // candidates in failed_
+  std::vector<float> around_;       // of the cure at work
+  const Failed* before_ = nullptr;  // what an earlier round found for it
+  std::vector<Point> new_cures_;    // since then, in its reach
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -158,30 +175,48 @@ void CureWork<D, E>::Run(Context& context) {
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     refusing_.Clear();
     asked_ = 0;
+    Recall(context, sliver, &reads);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
-    } else if (!kTraced && round > 0 && IsInVain(context, sliver)) {
+    } else if (!kTraced && before_ != nullptr && new_cures_.empty()) {
       if (round + 1 < kCureRounds) context.Request(kCure, context.item, CureEpoch(round + 1));
     } else {
+      std::size_t number = 0;
       const auto emit_if_good = [&](std::uint32_t ordinal, const Point& x, FeatureSlot facet) {
         reads.candidate = ordinal;
-        if (!Suits(context, sliver, x, facet, &reads)) return false;
-        emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
-        return true;
+        if constexpr (!kTraced) {
+          if (IsStillRefused(x, number)) {
+            Remember(before_->around[number], number);
+            ++number;
+            return false;
+          }
+        }
+        reads.around = 0;
+        if (Suits(context, sliver, x, facet, &reads)) {
+          emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
+          return true;
+        }
+        if constexpr (!kTraced) Remember(reads.around, number);
+        ++number;
+        return false;
       };
       is_strict_ = true;
-      met_excuse_ = false;
+      met_excuse_ = before_ != nullptr && before_->met_excuse;
       CandidatesTried tried = {AnyFreeCandidate(sliver, 0, kFirstNotStrict, emit_if_good)};
+      const bool met_excuse = met_excuse_;
       if (!tried.found && !sliver.is_exempt) {
         is_strict_ = false;
-        const std::uint32_t first = met_excuse_ ? 0 : kFirstNotStrict;
+        const std::uint32_t first = met_excuse ? 0 : kFirstNotStrict;
+        number = kFirstNotStrict + first;
         tried = ForEachCandidate(complex_, sliver, first, emit_if_good);
       }
       const bool goes_on = !tried.found && tried.are_all && !sliver.is_exempt;
       if (goes_on && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
         if constexpr (!kTraced) {
-          failed_[context.item] = {reads.reach, complex_.elements.vertex_end()};
+          Failed& failed = failed_[context.item];
+          remembered_ += around_.size() - failed.around.size();
+          failed = {reads.reach, complex_.elements.vertex_end(), met_excuse, around_};
         }
       }
     }
@@ -322,16 +357,36 @@ bool CureWork<D, E>::Encroaches(Context& context, const Sliver& sliver, const Po
 }
 
 template <int D, template <class> class E>
-bool CureWork<D, E>::IsInVain(Context& context, const Sliver& sliver) const {
+void CureWork<D, E>::Recall(Context& context, const Sliver& sliver, Reads* reads) {
+  around_.clear();
+  new_cures_.clear();
+  before_ = nullptr;
   const auto tried = failed_.find(context.item);
-  if (tried == failed_.end()) return false;
-  const auto& [reach, first_new] = tried->second;
-  const VertexIndex least = first_new;
-  if constexpr (D == 3) {
-    return !AnyCureIn(context, sliver.centre, reach,
-                      [least](VertexIndex v, const Point&) { return v >= least; });
-  }
-  return false;
+  if (tried == failed_.end()) return;
+  before_ = &tried->second;
+  reads->reach = before_->reach;
+  AnyCureIn(context, sliver.centre, before_->reach, [this](VertexIndex v, const Point& p) {
+    if (v >= before_->first_new) new_cures_.push_back(p);
+    return false;
+  });
+}
+
+template <int D, template <class> class E>
+void CureWork<D, E>::Remember(double around, std::size_t number) {
+  constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // 64 MB
+  if (remembered_ + number >= kMostRemembered) return;
+  around_.resize(number + 1, std::numeric_limits<float>::infinity());
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  around_[number] = around > 0 ? std::max(static_cast<float>(around * kWider), kLeast) : 0;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsStillRefused(const Point& x, std::size_t number) const {
+  if (before_ == nullptr || number >= before_->around.size()) return false;
+  const double around = before_->around[number];
+  return std::ranges::all_of(new_cures_, [&](const Point& y) {
+    return geometry::SquaredDistance(x, y) > around * around;
+  });
 }
 
 template <int D, template <class> class E>
