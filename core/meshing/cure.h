@@ -103,6 +103,12 @@ class CureWork {
   // unmakes it.
   bool IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
                    const RefusingFacets::Facet& facet, Reads* reads);
+  // Untraced. True if a facet would surely not stay whole. REQUIRES: cavity_ is that of x.
+  bool IsCutOffByFacet(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
+                       Reads* reads);
+  // Is a vertex of a cure in the ball of x and p? `centre`, `radius`: of a ball around that.
+  bool IsUnmade(Context& context, const Sliver& sliver, const Point& x,
+                const std::array<Point, 3>& p, const Point& centre, double radius);
   // True if x, in the sliver's ball, encroaches on a subsegment.
   bool Encroaches(Context& context, const Sliver& sliver, const Point& x);
   // Finds before_ and new_cures_; untraced. Without new cures the sliver has no candidate now.
@@ -141,9 +147,12 @@ class CureWork {
   std::vector<typename SpatialTree<D>::Ball> balls_;
   // Of the cure at work.
   RefusingFacets refusing_;
-  int asked_ = 0;            // how often Encroaches was
-  bool is_strict_ = false;   // excused edges do not count as such
-  bool met_excuse_ = false;  // there was one
+  int asked_ = 0;         // how often Encroaches was
+  int asked_unmade_ = 0;  // how often IsUnmade was
+  bool has_near_cures_ = false;
+  std::vector<Point> near_cures_;  // in a ball around the sliver
+  bool is_strict_ = false;         // excused edges do not count as such
+  bool met_excuse_ = false;        // there was one
   std::vector<SubsegmentIndex> near_segments_;
   // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
   // the first vertex that was not yet there.
@@ -174,7 +183,8 @@ void CureWork<D, E>::Run(Context& context) {
                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     refusing_.Clear();
-    asked_ = 0;
+    asked_ = asked_unmade_ = 0;
+    has_near_cures_ = false;
     Recall(context, sliver, &reads);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
@@ -280,6 +290,10 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     });
     if (!is_kept) return false;
+    const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
+    if constexpr (!kTraced) {
+      if (keeps_facets && IsCutOffByFacet(context, sliver, x, facet, reads)) return false;
+    }
     const bool has_cures = MakeStarOf(context, sliver, x);
     // Without cures it is of the tetrahedra with the cavity's facets, which are good.
     for (int i = 0; has_cures && i < star_.corner_count(); ++i) {
@@ -288,7 +302,6 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     }
     for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, sliver, i);
-    const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
     if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
     if constexpr (kTraced) {
       const bool encroaches = !search_.EncroachedBy(context, x).empty();
@@ -320,10 +333,7 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
     const double radius = std::sqrt(ball->r2) + ball->error + 4 * complex_.rules.ulp();
     Point centre = x;
     for (int k = 0; k < 3; ++k) centre[k] += ball->w[static_cast<std::size_t>(k)];
-    const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
-      return geometry::InSphere(p[0], p[1], p[2], x, y);
-    });
-    if (is_unmade) return false;
+    if (IsUnmade(context, sliver, x, p, centre, radius)) return false;
     if constexpr (kTraced) {
       reads->cover.AddDistantBall(centre, radius);
       reads->Read(reads->candidate, v[0], v[2], v[1]);
@@ -331,6 +341,64 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
       reads->AddReach(sliver, centre, radius);
     }
     return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsCutOffByFacet(Context& context, const Sliver& sliver, const Point& x,
+                                     FeatureSlot facet, Reads* reads) {
+  if constexpr (D == 3) {
+    const auto room = facets_.RoomThatIsCut(x, facet);
+    if (!room) return false;
+    const TriangulationOf<D>& base = complex_.slivers.base();
+    const double radius2 = room->radius * room->radius;
+    for (const auto& v : cavity_.facets) {
+      for (const VertexIndex u : v) {
+        if (!(geometry::SquaredDistance(base.position(u), room->centre) > radius2)) return false;
+      }
+    }
+    if (AnyCureIn(context, room->centre, room->radius,
+                  [](VertexIndex, const Point&) { return true; })) {
+      return false;
+    }
+    reads->AddReach(sliver, room->centre, room->radius);
+    return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsUnmade(Context& context, const Sliver& sliver, const Point& x,
+                              const std::array<Point, 3>& p, const Point& centre, double radius) {
+  constexpr int kFewUnmade = 8;
+  constexpr double kNear = 5;  // in radii of the sliver
+  if constexpr (D == 3) {
+    const auto is_inside = [&](const Point& y) {
+      return geometry::InSphere(p[0], p[1], p[2], x, y);
+    };
+    const double near = kNear * sliver.radius;
+    const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
+    if (++asked_unmade_ <= kFewUnmade || !(to_centre + radius < near * kNarrower)) {
+      return AnyCureIn(context, centre, radius,
+                       [&](VertexIndex, const Point& y) { return is_inside(y); });
+    }
+    if (!has_near_cures_) {
+      has_near_cures_ = true;
+      near_cures_.clear();
+      AnyCureIn(context, sliver.centre, near, [this](VertexIndex, const Point& y) {
+        near_cures_.push_back(y);
+        return false;
+      });
+    }
+    const double radius2 = radius * radius * kWider;
+    for (std::size_t i = 0; i < near_cures_.size(); ++i) {
+      if (geometry::SquaredDistance(near_cures_[i], centre) > radius2) continue;
+      if (!is_inside(near_cures_[i])) continue;
+      // The one that unmade most gets to the front.
+      if (i > 0) std::swap(near_cures_[i - 1], near_cures_[i]);
+      return true;
+    }
   }
   return false;
 }
