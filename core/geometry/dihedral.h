@@ -38,25 +38,62 @@ class DihedralBound {
   // corners j < i.
   template <class IsExcused>
   bool IsBelowSorted(const std::array<Point3, 4>& p, IsExcused is_excused) const {
-    const Vector3 a = Difference(p[1].c, p[0].c), b = Difference(p[2].c, p[0].c),
-                  c = Difference(p[3].c, p[0].c), u = Difference(p[2].c, p[1].c),
-                  w = Difference(p[3].c, p[1].c);
-    // The normals of the faces, all inwards or all outwards.
-    const std::array<Vector3, 4> n = {Cross(w, u), Cross(b, c), Cross(c, a), Cross(a, b)};
-    std::array<double, 4> length;
-    for (int i = 0; i < 4; ++i) length[i] = std::sqrt(Dot(n[i], n[i]));
+    const Normals of(p);
     bool is_below = false;
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < i; ++j) {
         // Faces i and j meet at the edge opposite to that between corners i and j.
-        const bool is_small = !(-Dot(n[i], n[j]) < cosine_ * (length[i] * length[j]));
+        const bool is_small = !(-Dot(of.n[i], of.n[j]) < cosine_ * (of.length[i] * of.length[j]));
         is_below |= is_small && !is_excused(i, j);
       }
     }
     return is_below;
   }
 
+  // What is certain whatever the order of the corners, so that they need not be sorted: no angle is
+  // below the bound; or one is, and counts. counts(i, j): the angle opposite to the edge between
+  // corners j < i surely does. kUnsure: neither. Twice as fast.
+  enum class Certain { kNone, kOne, kUnsure };
+  template <class Counts>
+  Certain Look(const std::array<Point3, 4>& p, Counts counts) const {
+    const Normals of(p);
+    // Components of a normal are sums of products of two edges, each rounded a few times; with
+    // another corner as origin, other ones.
+    const double error = kRounding * of.most2;
+    if (!(of.most2 > kUnderflow)) return Certain::kUnsure;
+    bool is_none = true, is_one = false;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const double at = -Dot(of.n[i], of.n[j]), bound = cosine_ * (of.length[i] * of.length[j]),
+                     slack = error * (of.length[i] + of.length[j] + error) + kRounding * bound;
+        is_none &= at < bound - slack;
+        is_one |= at > bound + slack && counts(i, j);
+      }
+    }
+    return is_none ? Certain::kNone : is_one ? Certain::kOne : Certain::kUnsure;
+  }
+
  private:
+  // 2^-43: a thousand roundings.
+  static constexpr double kRounding = 1.13686837721616e-13;
+  // Of more, numbers too small for a double are smaller than the roundings allowed for.
+  static constexpr double kUnderflow = 1e-140;
+
+  // Of the faces, all inwards or all outwards.
+  struct Normals {
+    explicit Normals(const std::array<Point3, 4>& p) {
+      const Vector3 a = Difference(p[1].c, p[0].c), b = Difference(p[2].c, p[0].c),
+                    c = Difference(p[3].c, p[0].c), u = Difference(p[2].c, p[1].c),
+                    w = Difference(p[3].c, p[1].c);
+      n = {Cross(w, u), Cross(b, c), Cross(c, a), Cross(a, b)};
+      for (int i = 0; i < 4; ++i) length[i] = std::sqrt(Dot(n[i], n[i]));
+      most2 = Dot(a, a) + Dot(b, b) + Dot(c, c);
+    }
+    std::array<Vector3, 4> n;
+    std::array<double, 4> length;
+    double most2;  // at least half of the product of any two edges
+  };
+
   // Taylor's series, in a fixed order of operations; a little less than the cosine.
   static double CosineOf(double degrees) {
     if (degrees == 0) return 2;

@@ -75,11 +75,15 @@ class CureWork {
     void AddReach(const Sliver& sliver, const Point& centre, double radius) {
       const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
       reach = std::max(reach, to_centre * kRootWider + radius);
+      around = std::max(around, 2 * radius);  // the candidate is on the ball's surface
     }
     Context& context;
     ReadCover<D> cover;
     std::uint32_t candidate = 0;  // the one being tested
-    bool is_attentive = false;    // a candidate encroached on a subsegment
+    // Untraced. How far from the candidate a cure may be that matters to its refusal; 0 if none
+    // does.
+    double around = 0;
+    bool is_attentive = false;  // a candidate encroached on a subsegment
     // Untraced: no cure that is farther than this from the centre matters to what was found.
     double reach = 0;
   };
@@ -99,10 +103,20 @@ class CureWork {
   // unmakes it.
   bool IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
                    const RefusingFacets::Facet& facet, Reads* reads);
+  // Untraced. True if a facet would surely not stay whole. REQUIRES: cavity_ is that of x.
+  bool IsCutOffByFacet(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
+                       Reads* reads);
+  // Is a vertex of a cure in the ball of x and p? `centre`, `radius`: of a ball around that.
+  bool IsUnmade(Context& context, const Sliver& sliver, const Point& x,
+                const std::array<Point, 3>& p, const Point& centre, double radius);
   // True if x, in the sliver's ball, encroaches on a subsegment.
   bool Encroaches(Context& context, const Sliver& sliver, const Point& x);
-  // Untraced. True if an earlier round found nothing for the sliver and would find nothing now.
-  bool IsInVain(Context& context, const Sliver& sliver) const;
+  // Finds before_ and new_cures_; untraced. Without new cures the sliver has no candidate now.
+  void Recall(Context& context, const Sliver& sliver, Reads* reads);
+  void Remember(double around, std::size_t number);
+  // Untraced. Has every cure since an earlier round been too far away to matter to the refusal of
+  // candidate x then? `number` counts the candidates tried.
+  bool IsStillRefused(const Point& x, std::size_t number) const;
   // Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
   // good tetrahedra. Returns whether vertices of cures are in it.
   bool MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
@@ -133,17 +147,29 @@ class CureWork {
   std::vector<typename SpatialTree<D>::Ball> balls_;
   // Of the cure at work.
   RefusingFacets refusing_;
-  int asked_ = 0;            // how often Encroaches was
-  bool is_strict_ = false;   // excused edges do not count as such
-  bool met_excuse_ = false;  // there was one
+  int asked_ = 0;         // how often Encroaches was
+  int asked_unmade_ = 0;  // how often IsUnmade was
+  bool has_near_cures_ = false;
+  std::vector<Point> near_cures_;  // in a ball around the sliver
+  bool is_strict_ = false;         // excused edges do not count as such
+  bool met_excuse_ = false;        // there was one
   std::vector<SubsegmentIndex> near_segments_;
   // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
   // the first vertex that was not yet there.
   struct Failed {
-    double reach;
-    VertexIndex first_new;
+    double reach = 0;
+    VertexIndex first_new = 0;
+    bool met_excuse = false;
+    // Of each candidate, by the number it was tried with: Reads::around, rounded up. Those tried
+    // strictly, then the others from ordinal 0 on. Fewer than there are: of the others nothing is
+    // known.
+    std::vector<float> around = {};
   };
   absl::flat_hash_map<sac::Item, Failed> failed_;
+  std::size_t remembered_ = 0;      // candidates in failed_
+  std::vector<float> around_;       // of the cure at work
+  const Failed* before_ = nullptr;  // what an earlier round found for it
+  std::vector<Point> new_cures_;    // since then, in its reach
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -157,31 +183,50 @@ void CureWork<D, E>::Run(Context& context) {
                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     refusing_.Clear();
-    asked_ = 0;
+    asked_ = asked_unmade_ = 0;
+    has_near_cures_ = false;
+    Recall(context, sliver, &reads);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
-    } else if (!kTraced && round > 0 && IsInVain(context, sliver)) {
+    } else if (!kTraced && before_ != nullptr && new_cures_.empty()) {
       if (round + 1 < kCureRounds) context.Request(kCure, context.item, CureEpoch(round + 1));
     } else {
+      std::size_t number = 0;
       const auto emit_if_good = [&](std::uint32_t ordinal, const Point& x, FeatureSlot facet) {
         reads.candidate = ordinal;
-        if (!Suits(context, sliver, x, facet, &reads)) return false;
-        emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
-        return true;
+        if constexpr (!kTraced) {
+          if (IsStillRefused(x, number)) {
+            Remember(before_->around[number], number);
+            ++number;
+            return false;
+          }
+        }
+        reads.around = 0;
+        if (Suits(context, sliver, x, facet, &reads)) {
+          emitter_.EmitVertex(context, x, 0, facet == kNil ? 3 : 2, facet);
+          return true;
+        }
+        if constexpr (!kTraced) Remember(reads.around, number);
+        ++number;
+        return false;
       };
       is_strict_ = true;
-      met_excuse_ = false;
+      met_excuse_ = before_ != nullptr && before_->met_excuse;
       CandidatesTried tried = {AnyFreeCandidate(sliver, 0, kFirstNotStrict, emit_if_good)};
+      const bool met_excuse = met_excuse_;
       if (!tried.found && !sliver.is_exempt) {
         is_strict_ = false;
-        const std::uint32_t first = met_excuse_ ? 0 : kFirstNotStrict;
+        const std::uint32_t first = met_excuse ? 0 : kFirstNotStrict;
+        number = kFirstNotStrict + first;
         tried = ForEachCandidate(complex_, sliver, first, emit_if_good);
       }
       const bool goes_on = !tried.found && tried.are_all && !sliver.is_exempt;
       if (goes_on && round + 1 < kCureRounds) {
         context.Request(kCure, context.item, CureEpoch(round + 1));
         if constexpr (!kTraced) {
-          failed_[context.item] = {reads.reach, complex_.elements.vertex_end()};
+          Failed& failed = failed_[context.item];
+          remembered_ += around_.size() - failed.around.size();
+          failed = {reads.reach, complex_.elements.vertex_end(), met_excuse, around_};
         }
       }
     }
@@ -245,6 +290,10 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     });
     if (!is_kept) return false;
+    const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
+    if constexpr (!kTraced) {
+      if (keeps_facets && IsCutOffByFacet(context, sliver, x, facet, reads)) return false;
+    }
     const bool has_cures = MakeStarOf(context, sliver, x);
     // Without cures it is of the tetrahedra with the cavity's facets, which are good.
     for (int i = 0; has_cures && i < star_.corner_count(); ++i) {
@@ -253,7 +302,6 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     }
     for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, sliver, i);
-    const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
     if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
     if constexpr (kTraced) {
       const bool encroaches = !search_.EncroachedBy(context, x).empty();
@@ -285,10 +333,7 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
     const double radius = std::sqrt(ball->r2) + ball->error + 4 * complex_.rules.ulp();
     Point centre = x;
     for (int k = 0; k < 3; ++k) centre[k] += ball->w[static_cast<std::size_t>(k)];
-    const bool is_unmade = AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) {
-      return geometry::InSphere(p[0], p[1], p[2], x, y);
-    });
-    if (is_unmade) return false;
+    if (IsUnmade(context, sliver, x, p, centre, radius)) return false;
     if constexpr (kTraced) {
       reads->cover.AddDistantBall(centre, radius);
       reads->Read(reads->candidate, v[0], v[2], v[1]);
@@ -296,6 +341,64 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
       reads->AddReach(sliver, centre, radius);
     }
     return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsCutOffByFacet(Context& context, const Sliver& sliver, const Point& x,
+                                     FeatureSlot facet, Reads* reads) {
+  if constexpr (D == 3) {
+    const auto room = facets_.RoomThatIsCut(x, facet);
+    if (!room) return false;
+    const TriangulationOf<D>& base = complex_.slivers.base();
+    const double radius2 = room->radius * room->radius;
+    for (const auto& v : cavity_.facets) {
+      for (const VertexIndex u : v) {
+        if (!(geometry::SquaredDistance(base.position(u), room->centre) > radius2)) return false;
+      }
+    }
+    if (AnyCureIn(context, room->centre, room->radius,
+                  [](VertexIndex, const Point&) { return true; })) {
+      return false;
+    }
+    reads->AddReach(sliver, room->centre, room->radius);
+    return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsUnmade(Context& context, const Sliver& sliver, const Point& x,
+                              const std::array<Point, 3>& p, const Point& centre, double radius) {
+  constexpr int kFewUnmade = 8;
+  constexpr double kNear = 5;  // in radii of the sliver
+  if constexpr (D == 3) {
+    const auto is_inside = [&](const Point& y) {
+      return geometry::InSphere(p[0], p[1], p[2], x, y);
+    };
+    const double near = kNear * sliver.radius;
+    const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
+    if (++asked_unmade_ <= kFewUnmade || !(to_centre + radius < near * kNarrower)) {
+      return AnyCureIn(context, centre, radius,
+                       [&](VertexIndex, const Point& y) { return is_inside(y); });
+    }
+    if (!has_near_cures_) {
+      has_near_cures_ = true;
+      near_cures_.clear();
+      AnyCureIn(context, sliver.centre, near, [this](VertexIndex, const Point& y) {
+        near_cures_.push_back(y);
+        return false;
+      });
+    }
+    const double radius2 = radius * radius * kWider;
+    for (std::size_t i = 0; i < near_cures_.size(); ++i) {
+      if (geometry::SquaredDistance(near_cures_[i], centre) > radius2) continue;
+      if (!is_inside(near_cures_[i])) continue;
+      // The one that unmade most gets to the front.
+      if (i > 0) std::swap(near_cures_[i - 1], near_cures_[i]);
+      return true;
+    }
   }
   return false;
 }
@@ -322,16 +425,36 @@ bool CureWork<D, E>::Encroaches(Context& context, const Sliver& sliver, const Po
 }
 
 template <int D, template <class> class E>
-bool CureWork<D, E>::IsInVain(Context& context, const Sliver& sliver) const {
+void CureWork<D, E>::Recall(Context& context, const Sliver& sliver, Reads* reads) {
+  around_.clear();
+  new_cures_.clear();
+  before_ = nullptr;
   const auto tried = failed_.find(context.item);
-  if (tried == failed_.end()) return false;
-  const auto& [reach, first_new] = tried->second;
-  const VertexIndex least = first_new;
-  if constexpr (D == 3) {
-    return !AnyCureIn(context, sliver.centre, reach,
-                      [least](VertexIndex v, const Point&) { return v >= least; });
-  }
-  return false;
+  if (tried == failed_.end()) return;
+  before_ = &tried->second;
+  reads->reach = before_->reach;
+  AnyCureIn(context, sliver.centre, before_->reach, [this](VertexIndex v, const Point& p) {
+    if (v >= before_->first_new) new_cures_.push_back(p);
+    return false;
+  });
+}
+
+template <int D, template <class> class E>
+void CureWork<D, E>::Remember(double around, std::size_t number) {
+  constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // 64 MB
+  if (remembered_ + number >= kMostRemembered) return;
+  around_.resize(number + 1, std::numeric_limits<float>::infinity());
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  around_[number] = around > 0 ? std::max(static_cast<float>(around * kWider), kLeast) : 0;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsStillRefused(const Point& x, std::size_t number) const {
+  if (before_ == nullptr || number >= before_->around.size()) return false;
+  const double around = before_->around[number];
+  return std::ranges::all_of(new_cures_, [&](const Point& y) {
+    return geometry::SquaredDistance(x, y) > around * around;
+  });
 }
 
 template <int D, template <class> class E>

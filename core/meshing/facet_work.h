@@ -108,6 +108,13 @@ class FacetWork {
   void MoveToFacet(const Star<D>& star, Candidate<D>* gap) const;
   // True if the cell of the star's vertex, which is to lie on facet `on`, meets no other facet.
   bool LeavesWhole(const Star<D>& star, FeatureSlot on);
+  // A ball about a point of a facet: if it holds no vertex, LeavesWhole(x's star, on) is false.
+  // Nothing if such a facet is not at hand. The ball's surface goes near x.
+  struct Room {
+    Point centre;
+    double radius;
+  };
+  std::optional<Room> RoomThatIsCut(const Point& x, FeatureSlot on) const;
 
  private:
   // Moves the point of a facet to the nearest counterpart there of v or a neighbour, of several the
@@ -379,6 +386,27 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
     return !complex_.facets.AnyNear(star.position(), far, is_hidden, is_met);
   }
   return true;
+}
+
+// The centre is x's foot on the facet that was met last. Without a vertex there it is in x's cell,
+// as a tenth of the way to x is left all around it.
+template <int D, template <class> class E>
+std::optional<typename FacetWork<D, E>::Room> FacetWork<D, E>::RoomThatIsCut(const Point& x,
+                                                                             FeatureSlot on) const {
+  constexpr double kClear = 1.1;
+  constexpr double kOffPlane = 1e4;  // in ulps: the foot is exact enough
+  if constexpr (D == 3) {
+    if (last_met_ == kNil || last_met_ == on) return std::nullopt;
+    const FacetIndex last = complex_.facets.OfFeature(last_met_);
+    if (last == kNil) return std::nullopt;
+    const Facet& facet = complex_.facets[last];
+    const double height = std::fabs(facet.plane().Height(x));
+    if (!(height > kOffPlane * complex_.rules.ulp())) return std::nullopt;
+    const Point foot = facet.plane().Foot(x);
+    if (!facet.IsInside(foot)) return std::nullopt;
+    return Room{foot, kClear * height};
+  }
+  return std::nullopt;
 }
 
 }  // namespace dynmesh::meshing

@@ -142,6 +142,11 @@ bool IsHopeless(const Corners& corners) {
 
 bool SliverTable::IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p,
                            IsExcused is_excused) const {
+  using Certain = geometry::DihedralBound::Certain;
+  const Certain certain = bound_.Look(p, [&](int i, int j) {
+    return v[static_cast<std::size_t>(i)] == kNil || v[static_cast<std::size_t>(j)] == kNil;
+  });
+  if (certain != Certain::kUnsure) return certain == Certain::kOne;
   return IsBelow(bound_, Corners(v, p), is_excused);
 }
 

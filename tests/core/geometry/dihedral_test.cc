@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "tests/core/geometry/random_points.h"
+
 namespace dynmesh::geometry::dihedral_test {
 namespace {
 
@@ -74,6 +76,32 @@ TEST(Dihedral, IsTheSameInWhateverOrderCornersCome) {
       EXPECT_EQ(bound.IsBelow({p[order[0]], p[order[1]], p[order[2]], p[order[3]]}), first);
     } while (std::next_permutation(order.begin(), order.end()));
   }
+}
+
+// In whatever order corners come, and mostly it is certain.
+TEST(Dihedral, WhatIsCertainIsWhatSortedCornersSay) {
+  using Certain = DihedralBound::Certain;
+  int certain = 0, uncertain = 0;
+  for (const testing::Kind kind : testing::kAllKinds) {
+    testing::PointSource<3> source(kind, 7);
+    for (int run = 0; run < 300; ++run) {
+      Corners p;
+      for (Point3& corner : p) corner = source.Next();
+      for (const double degrees : {0.01, 10.0, 30.0}) {
+        const DihedralBound bound(degrees);
+        const bool is_below = bound.IsBelow(p);
+        std::array<int, 4> order = {0, 1, 2, 3};
+        do {
+          const Corners q = {p[order[0]], p[order[1]], p[order[2]], p[order[3]]};
+          const Certain found = bound.Look(q, [](int, int) { return true; });
+          EXPECT_TRUE(found == Certain::kUnsure || (found == Certain::kOne) == is_below);
+          ++(found == Certain::kUnsure ? uncertain : certain);
+          EXPECT_NE(bound.Look(q, [](int, int) { return false; }), Certain::kOne);
+        } while (std::next_permutation(order.begin(), order.end()));
+      }
+    }
+  }
+  EXPECT_GT(certain, uncertain);
 }
 
 TEST(Dihedral, FlatIsBelow) {
