@@ -4,8 +4,8 @@
 // It is the thesis's quadtree with relaxed crowding: a leaf holds up to 16 points instead of
 // one. The queries are the same, with an order of magnitude fewer cells. It stands outside the time
 // of the trace; queries filter by birth. Its shape is a function of the present points, but for
-// leaves that CoverToKeep has split, which depend on the order of edits. So no output of an
-// operation may depend on its shape.
+// leaves that subscribers have split or keep apart, which depends on the order of edits. So no
+// output of an operation may depend on its shape.
 //
 // Thread-compatible. Node 0 is the root. Removal merges leaves and reports each merge by on_merge.
 #ifndef DYNMESH_CORE_MESHING_SPATIAL_TREE_H_
