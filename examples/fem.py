@@ -65,11 +65,16 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
     return result
 
 
+def measure_of(part: Any) -> float:
+    """The area of a part, or of what has `points` and `cells`, too; in 3D the volume."""
+    corners = part.points[part.cells]
+    sum_ = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum()
+    return float(sum_ / math.factorial(part.cells.shape[1] - 1))
+
+
 def is_all_of(part: dynmesh.Part, measure: float) -> bool:
     """Is the part as large as the domain? The mesh reaches far beyond it."""
-    corners = part.points[part.cells]
-    found = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / math.factorial(part.cells.shape[1] - 1)
-    return abs(found / measure - 1) < 1e-12
+    return abs(measure_of(part) / measure - 1) < 1e-12
 
 
 def vertices_of(part: dynmesh.Part, first: int, last: int) -> np.ndarray:

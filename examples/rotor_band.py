@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 import dynmesh
-from fem import Elements, solve
+from fem import Elements, measure_of, solve
 from sliding_band import SlidingBand
 
 ROTOR, BAR, STATOR, BORE = 10_001, 10_002, 10_003, 10_004  # polygons; ids of points are smaller
@@ -78,7 +78,7 @@ def run(spacing: float, steps: int, out: str) -> None:
     assembly.add("rotor", rotor)
     assembly.add("stator", stator)
     assembly.band("gap", outer=("stator", outer), inner=("rotor", inner))
-    whole, hash_, rows = area(assembly), rotor.mesh.hash, assembly.cells[assembly.cells_of("rotor")]
+    whole, hash_, rows = measure_of(assembly), rotor.mesh.hash, assembly.cells[assembly.cells_of("rotor")]
     gap = np.zeros(len(assembly.cells), bool)
     gap[assembly.cells_of("gap")] = True
 
@@ -90,7 +90,7 @@ def run(spacing: float, steps: int, out: str) -> None:
         u = motion.transfer(u)  # the first guess of the solver
         u, energy[step] = potential(assembly, u)
         torque[step] = arkkio(assembly, u, gap)
-        assert abs(area(assembly) - whole) < 1e-12, "the parts and the band do not cover the whole"
+        assert abs(measure_of(assembly) - whole) < 1e-12, "the parts and the band do not cover the whole"
         if step % max(1, steps // 36) == 0:
             series.add(step, assembly, point_data={"u": u})
     assert rotor.mesh.hash == hash_, "the rotor's mesh has changed"
@@ -143,11 +143,6 @@ def torque_of_sliding_band(angles: np.ndarray) -> np.ndarray:
         u, _ = potential(band, u)
         torque.append(arkkio(band, u, gap))
     return np.array(torque)
-
-
-def area(domain: dynmesh.Assembly) -> float:
-    corners = domain.points[domain.cells]
-    return float(np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 2)
 
 
 def roughness(energy: np.ndarray) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from dynmesh import _core
-from dynmesh._band import Band, Frame, Side, check_free, closed_curve, match
+from dynmesh._band import Band, Frame, Side, area_of, check_free, closed_curve, match
 from dynmesh._meshio import to_meshio
 from dynmesh._motion import Motion, band_state
 from dynmesh._part import Part
@@ -318,13 +318,12 @@ class Assembly(Writable):
         rows = self._region_labels()
         facets, _, parts, owners, markers, names = self._state.facets
         # Features of several meshes have the same ids: they are numbered after the regions.
-        keys, which = np.unique(np.column_stack([parts.astype(np.uint64), owners]), axis=0,
-                                return_inverse=True)
+        _, found, which = np.unique(np.column_stack([parts.astype(np.uint64), owners]), axis=0,
+                                    return_index=True, return_inverse=True)
         first = len(rows) + 1
         labels = [(k + 1, label.marker, label.name) for k, (_, label) in rows.items()]
-        for number in range(len(keys)):
-            at = int(np.flatnonzero(which.reshape(-1) == number)[0])
-            labels.append((first + number, int(markers[at]), str(names[at])))
+        labels += [(first + number, int(markers[at]), str(names[at]))
+                   for number, at in enumerate(found.tolist())]
         _core.write_rows(self.points, self.cells, self.cell_regions.astype(np.uint64) + 1, facets,
                          which.reshape(-1).astype(np.uint64) + first,
                          [row for row in labels if row[1] or row[2]], path, choices)
@@ -340,7 +339,7 @@ class Assembly(Writable):
             self.frame(curve[0])
             return match(curve[0], self._pieces[curve[0]].part, curve[1], is_inner, what)
         at = closed_curve(curve, what)
-        return Side("", at if _is_counter_clockwise(at) else at[::-1], np.empty(0, np.int32))
+        return Side("", at if area_of(at) > 0 else at[::-1], np.empty(0, np.int32))
 
     def _place_one(self, name: str, **change: Any) -> Motion:
         with self._lock:
@@ -393,8 +392,3 @@ def _is_several(curves: Any) -> bool:
     if _is_of_part(curves) or not isinstance(curves, (list, tuple)) or not curves:
         return False
     return _is_of_part(curves[0]) or np.ndim(curves[0]) == 2
-
-
-def _is_counter_clockwise(curve: Array) -> bool:
-    after = np.roll(curve, -1, axis=0)
-    return bool((curve[:, 0] * after[:, 1] - curve[:, 1] * after[:, 0]).sum() > 0)

@@ -37,9 +37,9 @@ def piece_of(part: Part) -> Piece:
             raise FailedPrecondition("the part is not at the mesh's revision: update the part first")
         rows = part._region_labels()
         order = sorted(rows, key=lambda region: rows[region][0])
-        regions = np.zeros(len(part.cells), np.int32)
-        for number, region in enumerate(order):
-            regions[part.cell_regions == region] = number
+        number_of = {region: number for number, region in enumerate(order)}
+        found, which = np.unique(part.cell_regions, return_inverse=True)
+        regions = np.array([number_of[region] for region in found.tolist()], np.int32)[which]
         return Piece(part, part.revision, part.points, part.cells, regions,
                       [rows[region][1] for region in order], part.facets, part.facet_cells,
                       part.facet_owners, part.facet_markers, part.facet_names)
@@ -88,13 +88,11 @@ class State:
         count = len(self.points)
         keys = np.concatenate([band_cells[:, i] * count + band_cells[:, (i + 1) % 3] for i in range(3)])
         order = np.argsort(keys)
-        for column, pair in ((0, facets), (1, facets[:, ::-1])):
+        for column, pair in ((0, facets), (1, facets[:, ::-1])) if len(keys) else ():
             wanted = pair[:, 0].astype(np.int64) * count + pair[:, 1]
-            at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order),
-                                  max(0, len(keys) - 1))] if len(keys) else np.empty(0, np.int64)
-            if len(keys):
-                found = (keys[at] == wanted) & (cells[:, column] < 0)
-                cells[found, column] = first + at[found] % len(band_cells)
+            at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+            found = (keys[at] == wanted) & (cells[:, column] < 0)
+            cells[found, column] = first + at[found] % len(band_cells)
         return tuple(_frozen(column) for column in (
             facets.astype(np.int32), cells.astype(np.int32), parts.astype(np.int32), owners,
             markers.astype(np.int64), names))
