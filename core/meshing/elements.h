@@ -142,8 +142,8 @@ class Payload {
  public:
   using Point = geometry::Point<D>;
 
-  // kComplete: no vertex beyond this squared distance can be in a ball that was read. kNearest: the
-  // squared distance of the nearest vertex. Rounded up.
+  // kComplete: no vertex beyond this squared distance can be in a ball that was read. kNearest: no
+  // squared distance in the bucket of the nearest vertex is greater. Rounded up.
   float radius2 = 0;
   // kComplete, by edges: the radius of the largest ball that was judged by target lengths, rounded
   // up; INFINITY if it is not known. It is a cache: no result depends on it.

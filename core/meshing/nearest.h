@@ -1,15 +1,21 @@
-// ComputeNN: the distance of a vertex from its nearest neighbour, and so the bucket of its first
-// Complete.
+// ComputeNN: the bucket of a vertex's first Complete, that of its nearest neighbour's distance.
+//
+// Any neighbour in that bucket will do, so a search ends at the bucket's least distance: of many
+// vertices that are equally far, as on a circle about v, it looks at a few. The thesis asks later,
+// at a lower bound of the distance (Fig. 4.7, line 7), for the same end.
 #ifndef DYNMESH_CORE_MESHING_NEAREST_H_
 #define DYNMESH_CORE_MESHING_NEAREST_H_
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/rounding.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/refinement_terms.h"
+#include "core/meshing/rules.h"
 
 namespace dynmesh::meshing {
 
@@ -27,17 +33,21 @@ class NearestWork {
   void Run(Context& context);
   // Call after a run from scratch.
   void Forget() { all_ = std::vector<Near>(); }
+  // How many vertices were looked at so far, other than in FindAll.
+  std::uint64_t looked_at() const { return looked_at_; }
 
  private:
   struct Near {
     double d2 = INFINITY;  // squared distance
-    VertexIndex v = kNil;  // any vertex at that distance
+    VertexIndex v = kNil;
   };
+  // Any vertex in the bucket of the nearest.
   Near Find(const Context& context, VertexIndex v);
   void FindAll();
 
   const Complex<D, E>& complex_;
   FacetWork<D, E> facets_;
+  std::uint64_t looked_at_ = 0;
   std::vector<Near> all_;  // from scratch: by vertex; computed at the first query
 };
 
@@ -47,15 +57,19 @@ template <int D, template <class> class E>
 void NearestWork<D, E>::Run(Context& context) {
   const VertexIndex v = context.item;
   const Near nearest = Find(context, v);
-  double d2 = nearest.d2;
-  if (facets_.is_needed() && IsOn(RefinementTerm::kFacetIsNear)) d2 = facets_.Distance2(v, d2);
-  context.payload().radius2 = RoundedUp(d2);
-  context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
+  int bucket = BucketOf(nearest.d2);
+  if (facets_.is_needed() && IsOn(RefinementTerm::kFacetIsNear)) {
+    bucket = std::min(bucket, BucketOf(facets_.Distance2(v, LeastOfBucket(bucket))));
+  }
+  context.Request(kComplete, v, MakeEpoch(bucket, 0, kQualityStep));
   if constexpr (kTraced) {
     // A vertex farther away than a facet has no effect. When it vanishes, that is not notified.
-    if (nearest.v != kNil && nearest.d2 == d2) context.Read(nearest.v);
+    if (nearest.v != kNil && bucket == BucketOf(nearest.d2)) context.Read(nearest.v);
+    // The whole bucket: neither depends on which vertex was found.
+    const double far2 = EndOfBucket(bucket);
+    context.payload().radius2 = RoundedUp(far2);
     Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(complex_.vertex(v).p, std::sqrt(d2) * kBarelyWider + 2 * complex_.rules.ulp());
+    box.AddBall(complex_.vertex(v).p, std::sqrt(far2) * kBarelyWider + 2 * complex_.rules.ulp());
     complex_.Subscribe(context, box);
   }
 }
@@ -69,10 +83,10 @@ typename NearestWork<D, E>::Near NearestWork<D, E>::Find(const Context& context,
   Near best;
   double r2 = INFINITY;
   complex_.tree.VisitBall(complex_.vertex(v).p, r2, [&](std::uint32_t id, const Point&, double d2) {
-    // Very many vertices may be equally near: any one will do.
-    if (id == v || d2 >= best.d2 || !context.Sees(complex_.vertex(id).birth)) return;
+    ++looked_at_;
+    if (id == v || d2 >= r2 || !context.Sees(complex_.vertex(id).birth)) return;
     best = {d2, id};
-    r2 = d2;
+    r2 = LeastOfBucket(BucketOf(d2));
   });
   return best;
 }

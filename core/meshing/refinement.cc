@@ -207,6 +207,11 @@ std::uint64_t Refinement<D, E>::visited_cells() const {
 }
 
 template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::nearest_looked_at() const {
+  return parts_->nearest.looked_at();
+}
+
+template <int D, template <class> class E>
 std::uint64_t Refinement<D, E>::visited_nodes() const {
   return parts_->anchors.visited_nodes();
 }

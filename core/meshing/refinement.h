@@ -119,6 +119,8 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
   std::uint64_t visited_nodes() const;
   // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
+  // How many vertices these have looked at, other than in a load.
+  std::uint64_t nearest_looked_at() const;
   std::size_t tree_nodes() const { return complex_.tree.node_count(); }
   // True if an insertion or a split was refused because it would be finer than limits allow.
   bool hit_depth_limit() const { return complex_.run.hit_depth_limit(); }

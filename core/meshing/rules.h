@@ -34,6 +34,10 @@ inline int BucketOf(double squared_length) {
 inline double LeastOfBucket(int bucket) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(bucket) << (52 - kBucketFractionBits));
 }
+// No squared length of the bucket is greater.
+inline double EndOfBucket(int bucket) {
+  return bucket < BucketOf(INFINITY) ? LeastOfBucket(bucket + 1) : INFINITY;
+}
 
 // The rules common to all dimensions.
 template <int D>
