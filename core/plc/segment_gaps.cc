@@ -15,7 +15,7 @@ namespace {
 using geometry::Point;
 
 // The most segments for which neighbours are searched.
-constexpr std::size_t kMostProbed = 16'384;
+constexpr std::size_t kMostSegments = 16'384;
 // The most neighbours of each.
 constexpr std::size_t kMostNearest = 16;
 
@@ -91,7 +91,7 @@ double SegmentGaps<D>::DistanceBelowWhich(double most) const {
 }
 
 double NeedOf(std::size_t segments, double most) {
-  return most / static_cast<double>(std::min(std::max<std::size_t>(segments, 1), kMostProbed));
+  return most / static_cast<double>(std::min(std::max<std::size_t>(segments, 1), kMostSegments));
 }
 
 template <int D>
@@ -110,9 +110,9 @@ SegmentGaps<D> FindSegmentGaps(std::span<const SegmentFeature<D>> segments, doub
     const double reach = DistanceFor(segments[i], need);
     if (reach > limit) probed.push_back({reach, i});  // no features are nearer than limit
   }
-  if (probed.size() > kMostProbed) {
-    std::nth_element(probed.begin(), probed.begin() + kMostProbed, probed.end());
-    probed.resize(kMostProbed);
+  if (probed.size() > kMostSegments) {
+    std::nth_element(probed.begin(), probed.begin() + kMostSegments, probed.end());
+    probed.resize(kMostSegments);
     std::sort(probed.begin(), probed.end());  // the sum has the same bits each time
   }
   SegmentGaps<D> found;
