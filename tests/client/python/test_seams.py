@@ -208,7 +208,7 @@ def test_what_cannot_be_transferred_is_refused(make_mesh):
     part = mesh.part(polygons=7, open=20)
     u = np.zeros(len(part.points))
     diff = mesh.apply(add_points={30: (0.6, 0.51)})
-    with pytest.raises(ValueError, match="'P1', 'P0' and 'DG1'"):
+    with pytest.raises(ValueError, match="'P1', 'dual', 'P0' and 'DG1'"):
         part.transfer(diff, u, "P2")
     with pytest.raises(ValueError, match="the part had .* vertices"):
         part.transfer(diff, u[:-1])

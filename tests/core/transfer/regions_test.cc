@@ -90,13 +90,13 @@ TEST_P(RegionsOf, KeepTheirMassWhereTheirShapeStays) {
   const int dimension = GetParam();
   std::mt19937_64 random(geometry::testing::NewSeed());
   std::uniform_real_distribution<double> draw(0.1, 0.9);
-  for (const FieldKind kind :
-       {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kP1}) {
+  for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1,
+                               FieldKind::kDualCorners, FieldKind::kP1}) {
     Scene scene(dimension);
     std::vector<double> u = Sample(scene.slots, kind, ShortWave),
                         by_region(RowCount(scene.slots, kind));
     const auto width = static_cast<std::size_t>(dimension + 1);
-    const auto cell_of = [&](std::size_t i) { return kind == FieldKind::kDG1 ? i / width : i; };
+    const auto cell_of = [&](std::size_t i) { return testing::IsAtCorners(kind) ? i / width : i; };
     const auto value_in = [](RegionId region) { return 0.1 + 1e6 * static_cast<double>(region); };
     if (kind != FieldKind::kP1) {
       for (std::size_t i = 0; i < by_region.size(); ++i) {
@@ -235,7 +235,8 @@ TEST_P(RegionsOf, ThatChangeTheirShapeKeepLinearFields) {
 
 TEST_P(RegionsOf, ThatChangeTheirShapeTellWhatChangesSides) {
   const int dimension = GetParam();
-  for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1}) {
+  for (const FieldKind kind :
+       {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kDualCorners}) {
     Scene scene(dimension);
     std::vector<double> u = Sample(scene.slots, kind, ShortWave);
     for (const EditBatch& batch : ChangesOfShape(dimension)) {
