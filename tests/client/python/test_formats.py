@@ -72,13 +72,14 @@ def check_names(make, found):
 
 
 @pytest.mark.parametrize("make", [plate, room])
-@pytest.mark.parametrize("name,version,key", [
-    ("m.msh", 4.1, "gmsh:physical"), ("m.msh", 2.2, "gmsh:physical"), ("m.mesh", 4.1, "medit:ref"),
-    ("m.vtu", 4.1, "marker")])
-def test_a_written_file_has_markers_and_names(make, name, version, key, tmp_path):
+@pytest.mark.parametrize("name,version,key,binary", [
+    ("m.msh", 4.1, "gmsh:physical", False), ("m.msh", 2.2, "gmsh:physical", False),
+    ("m.msh", 4.1, "gmsh:physical", True), ("m.msh", 2.2, "gmsh:physical", True),
+    ("m.mesh", 4.1, "medit:ref", False), ("m.vtu", 4.1, "marker", False)])
+def test_a_written_file_has_markers_and_names(make, name, version, key, binary, tmp_path):
     meshio = pytest.importorskip("meshio", reason="python3-meshio is not installed")
     part = make()
-    part.write(tmp_path / name, markers="input", msh_version=version)
+    part.write(tmp_path / name, markers="input", msh_version=version, binary=binary)
     read = meshio.read(tmp_path / name)
     check_markers(make, read, key)
     if name == "m.msh":
@@ -96,6 +97,55 @@ def test_a_written_file_has_markers_and_names(make, name, version, key, tmp_path
         comments = [line for line in (tmp_path / name).read_text().splitlines() if line[:1] == "#"]
         for label in part.mesh.labels.values():
             assert f"# marker {label.marker}: {label.name}" in comments
+
+
+@pytest.mark.parametrize("make", [plate, room])
+@pytest.mark.parametrize("version", [4.1, 2.2])
+def test_a_binary_msh_is_the_text_to_the_bit(make, version, tmp_path):
+    meshio = pytest.importorskip("meshio", reason="python3-meshio is not installed")
+    part = make()
+    read, inputs = [], []
+    for binary in (False, True):
+        part.write(tmp_path / "m.msh", markers="input", msh_version=version, binary=binary)
+        read.append(meshio.read(tmp_path / "m.msh"))
+        inputs.append(dynmesh.read_input(tmp_path / "m.msh"))
+    text, same = read
+    np.testing.assert_array_equal(text.points, same.points)
+    assert {name: rows.tolist() for name, rows in text.field_data.items()} == {
+        name: rows.tolist() for name, rows in same.field_data.items()}
+    for kind, rows in text.cells_dict.items():
+        np.testing.assert_array_equal(rows, same.cells_dict[kind])
+        np.testing.assert_array_equal(text.cell_data_dict["gmsh:physical"][kind],
+                                      same.cell_data_dict["gmsh:physical"][kind])
+    features, same = inputs  # as input
+    assert features.edits == same.edits
+    assert ({"left", "crack"} if make is plate else {"walls", "door"}) <= {
+        label.name for label in same.edits["set_labels"].values()}
+
+
+@pytest.mark.parametrize("make", [plate, room])
+@pytest.mark.parametrize("name,version,key", [
+    ("m.msh", 4.1, "gmsh:physical"), ("m.msh", 2.2, "gmsh:physical"), ("m.mesh", 4.1, "medit:ref"),
+    ("m.vtu", 4.1, "marker")])
+def test_what_is_opened_has_both_sides_in_a_file(make, name, version, key, tmp_path):
+    meshio = pytest.importorskip("meshio", reason="python3-meshio is not installed")
+    closed = make()
+    features = 20 if make is plate else [30 + i for i in range(6)]
+    part = closed.mesh.part(open=features)
+    part.write(tmp_path / name, markers="input", msh_version=version)
+    read = meshio.read(tmp_path / name)
+    assert len(read.points) == len(part.points) > len(closed.points)
+    cells, facets = (dict(each) for each in MARKERS[make])
+    opened = 14 if make is plate else 13
+    facets[opened] *= 2
+    assert by_marker(read, CELLS[make], key) == pytest.approx(cells)
+    assert by_marker(read, FACETS[make], key) == pytest.approx(facets)
+    # The two sides have no vertex in common, but for the tips of the crack.
+    rows = np.concatenate([block.data[markers == opened] for block, markers in
+                           zip(read.cells, read.cell_data[key]) if block.type == FACETS[make]])
+    places, which = np.unique(read.points[np.unique(rows)], axis=0, return_counts=True)
+    assert sorted(set(which.tolist())) == ([1, 2] if make is plate else [2])
+    assert (which == 1).sum() == (2 if make is plate else 0)
 
 
 @pytest.mark.parametrize("make", [plate, room])
@@ -128,11 +178,12 @@ def test_meshio_writes_markers_or_names(make, name, key, tmp_path):
 
 @pytest.mark.parametrize("make", [plate, room])
 @pytest.mark.parametrize("version", [4.1, 2.2])
+@pytest.mark.parametrize("binary", [False, True])
 @pytest.mark.filterwarnings("ignore")
-def test_gmsh_and_dolfinx_read_msh(make, version, tmp_path):
+def test_gmsh_and_dolfinx_read_msh(make, version, binary, tmp_path):
     gmsh = pytest.importorskip("gmsh", reason="python3-gmsh is not installed")
     part = make()
-    part.write(tmp_path / "m.msh", markers="input", msh_version=version)
+    part.write(tmp_path / "m.msh", markers="input", msh_version=version, binary=binary)
     d = part.mesh.dimension
     gmsh.initialize()
     try:
