@@ -33,24 +33,38 @@ void TurnToLeast(std::span<VertexId> row) {
 
 }  // namespace
 
-// Ids of the part's vertices: the mesh's, and new ones of further copies.
+// Ids of the part's vertices: the mesh's, and new ones of further copies. A function of the mesh
+// and what is opened.
 class MeshPart::State::Opener {
  public:
   Opener(const State& part, const SlotMesh& mesh, const Mesh& whole)
       : part_(part), ids_(part.vertex_slots.size()) {
     absl::flat_hash_set<VertexId> used(whole.vertices.ids.begin(), whole.vertices.ids.end());
+    const auto least = LeastCells(mesh);
     for (std::size_t number = 0; number < ids_.size(); ++number) {
-      if (part.origin[number] != static_cast<std::int32_t>(number)) continue;
       const VertexId first = mesh.ids()[At(part.vertex_slots[number])];
-      VertexId id = first;
+      ids_[number] = first;
+      if (part.origin[number] != static_cast<std::int32_t>(number)) continue;
+      std::vector<std::pair<CellKey, std::int32_t>> copies;
       for (auto copy = static_cast<std::int32_t>(number); copy != kNone;
            copy = part.next_copy[At(copy)]) {
-        if (copy != static_cast<std::int32_t>(number)) {
-          while (id == 0 || used.contains(id)) ++id;
-          used.insert(id);
-          copies_[first].push_back(id);
-        }
-        ids_[At(copy)] = id;
+        copies.push_back({least[At(copy)], copy});
+      }
+      if (copies.size() > 1) with_copies_.push_back(std::move(copies));
+    }
+    // In the order of ids, too: each new id is the next free one.
+    std::sort(with_copies_.begin(), with_copies_.end(), [&](const auto& x, const auto& y) {
+      return ids_[At(x[0].second)] < ids_[At(y[0].second)];
+    });
+    for (auto& copies : with_copies_) {
+      std::sort(copies.begin(), copies.end());
+      const VertexId first = ids_[At(copies[0].second)];
+      VertexId id = first;
+      for (std::size_t i = 1; i < copies.size(); ++i) {
+        while (id == 0 || used.contains(id)) ++id;
+        used.insert(id);
+        copies_[first].push_back(id);
+        ids_[At(copies[i].second)] = id;
       }
     }
   }
@@ -73,6 +87,29 @@ class MeshPart::State::Opener {
   }
 
  private:
+  using CellKey = std::array<VertexId, 4>;  // the mesh's ids, ascending
+
+  // Of each vertex of the part the least of its cells: copies are told apart by it, whatever their
+  // numbers.
+  std::vector<CellKey> LeastCells(const SlotMesh& mesh) const {
+    CellKey none;
+    none.fill(~VertexId{0});
+    std::vector<CellKey> least(part_.vertex_slots.size(), none);
+    const std::size_t width = part_.width();
+    for (std::size_t cell = 0; cell < part_.cell_slots.size(); ++cell) {
+      const std::int32_t* const corners = &part_.cells.data()[cell * width];
+      CellKey key{};
+      for (std::size_t k = 0; k < width; ++k) {
+        key[k] = mesh.ids()[At(part_.vertex_slots[At(corners[k])])];
+      }
+      std::sort(key.begin(), key.end());  // in 2D one is 0
+      for (std::size_t k = 0; k < width; ++k) {
+        least[At(corners[k])] = std::min(least[At(corners[k])], key);
+      }
+    }
+    return least;
+  }
+
   void AddVertices(VertexColumns& vertices, std::size_t dimension) const {
     for (std::size_t row = 0, rows = vertices.size(); row < rows; ++row) {
       const auto copies = copies_.find(vertices.ids[row]);
@@ -140,6 +177,7 @@ class MeshPart::State::Opener {
   }
 
   const State& part_;
+  std::vector<std::vector<std::pair<CellKey, std::int32_t>>> with_copies_;
   std::vector<VertexId> ids_;                                    // by number
   absl::flat_hash_map<VertexId, std::vector<VertexId>> copies_;  // the further ones
 };

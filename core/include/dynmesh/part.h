@@ -69,8 +69,8 @@ class MeshPart {
   absl::Status Update(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs);
 
   // The part as a mesh of its own, with its subsegments and subfacets, the region sets and labels
-  // of the whole and the hash of the part. Where it is opened each copy is a vertex, the first one
-  // with the mesh's id, others with ids that no vertex has; each side has its subsegments and
+  // of the whole and the hash of the part. Where it is opened each copy is a vertex, one with
+  // the mesh's id, others with ids that no vertex has; each side has its subsegments and
   // subfacets, but one where no corner has copies. That is for files: it is no Delaunay mesh.
   // O(mesh). FAILED_PRECONDITION if `mesh` is not at revision().
   absl::StatusOr<Mesh> ToMesh(const SlotMesh& mesh) const;
