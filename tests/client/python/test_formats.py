@@ -1,4 +1,6 @@
 """Markers and names in files: what docs/fields.md's table says survives, for readers of others."""
+import os
+import pathlib
 import shutil
 import subprocess
 
@@ -146,6 +148,38 @@ def test_what_is_opened_has_both_sides_in_a_file(make, name, version, key, tmp_p
     places, which = np.unique(read.points[np.unique(rows)], axis=0, return_counts=True)
     assert sorted(set(which.tolist())) == ([1, 2] if make is plate else [2])
     assert (which == 1).sum() == (2 if make is plate else 0)
+
+
+@pytest.mark.parametrize("is_open", [False, True])
+@pytest.mark.parametrize("binary", [False, True])
+def test_the_command_writes_the_same_files(is_open, binary, tmp_path):
+    command = pathlib.Path(os.environ["DYNMESHD"]).with_name("dynmesh")
+    script = tmp_path / "plate.dynmesh"
+    script.write_text("""mesh dim=2 box=0,0,2,1 hmax=0.2
+add point 1 0 0
+add point 2 2 0
+add point 3 2 1
+add point 4 0 1
+add point 5 0.5 0.5
+add point 6 1 0.5
+add point 7 1.5 0.6
+add polygon 10 1 2 3 4
+add segment 20 5 6
+add segment 21 6 7
+commit
+""")
+    read = dynmesh.read_input(script)
+    mesh = dynmesh.open(**read.options)
+    mesh.apply(**read.edits)
+    part = mesh.part(polygons=10, open=[20, 21] if is_open else ())
+    flags = ["--open", "20,21"] if is_open else []
+    for name in ("a.msh", "a.node"):
+        part.write(tmp_path / name, binary=binary)
+    subprocess.run([command, "mesh", script, "--region", "10", *flags,
+                    *(["--binary"] if binary else []), "-o", tmp_path / "b.msh",
+                    "-o", tmp_path / "b.node"], check=True, timeout=100)
+    for kind in ("msh", "node", "ele", "edge"):
+        assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes(), kind
 
 
 @pytest.mark.parametrize("make", [plate, room])
