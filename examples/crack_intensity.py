@@ -12,21 +12,17 @@ the displacement and the area between the crack's faces.
 from __future__ import annotations
 
 import argparse
-import math
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import spsolve
 
 import dynmesh
+import elastic
 from fem import is_all_of
 from opened import opened
 
 PLATE, CRACK = 7, 20  # the plate's polygon; ids of the crack's segments follow
 WIDTH, HEIGHT = 1.0, 2.0  # half of the plate's
-POISSON = 0.3  # Young's modulus and the tension are 1
-LAW = np.array([[1 - POISSON, POISSON, 0], [POISSON, 1 - POISSON, 0], [0, 0, 0.5 - POISSON]]) / (
-    (1 + POISSON) * (1 - 2 * POISSON))
+TENSION = {"top": 1.0, "bottom": -1.0}  # on the sides of these names
 
 
 def main() -> None:
@@ -45,8 +41,9 @@ def run(mesh: dynmesh.Mesh, edge: float, steps: int, out: str) -> None:
     corners = {1: (-WIDTH, -HEIGHT), 2: (WIDTH, -HEIGHT), 3: (WIDTH, HEIGHT), 4: (-WIDTH, HEIGHT)}
     length = 0.3  # half of the crack's
     mesh.apply(add_points={**corners, 10: (-length, 0), 11: (length, 0)},
-               add_polygons={PLATE: corners}, add_segments={CRACK: (10, 11)},
-               add_sizes=sizes(length, edge), set_labels={CRACK: dict(name="crack")})
+               add_polygons={PLATE: corners}, add_segments={8: (1, 2), 9: (3, 4), CRACK: (10, 11)},
+               add_sizes=sizes(length, edge), set_labels={
+                   8: dict(name="bottom"), 9: dict(name="top"), CRACK: dict(name="crack")})
     part = mesh.part(polygons=PLATE, open="crack")  # the seam
     series = dynmesh.Series(f"{out}/crack.pvd")
     worst, lost, closed = 0.0, 0.0, 0.0
@@ -63,11 +60,10 @@ def run(mesh: dynmesh.Mesh, edge: float, steps: int, out: str) -> None:
             u = part.transfer(diff, u)
             lost = max(lost, np.abs(integral(part, u) - before[0]).max())
             closed = max(closed, abs(opening(part, u) / before[1] - 1))
-        u = displacement(part)
-        ratio = length / WIDTH
-        exact = math.sqrt(math.pi * length / math.cos(math.pi * ratio / 2)) * (
-            1 - 0.025 * ratio**2 + 0.06 * ratio**4)
-        found = [intensity(part, u, side * length, side) for side in (-1, 1)]
+        u, _ = elastic.displacement(part, TENSION, [corners[1], corners[2]])
+        exact = elastic.tada(length, WIDTH)
+        found = [elastic.intensities(part, u, np.array([side * length, 0]), np.array([side, 0]),
+                                     0.2)[0] for side in (-1, 1)]
         worst = max(worst, *(abs(k / exact - 1) for k in found))
         print(f"half length {length:.2f}: {len(part.points)} vertices, K at the tips "
               f"{found[0]:.4f} and {found[1]:.4f}, Tada {exact:.4f}")
@@ -87,59 +83,8 @@ def sizes(length: float, edge: float) -> dict[int, dict[str, object]]:
             for side, x in enumerate((-length, length)) for level in range(4)}
 
 
-def strain_matrices(part: dynmesh.Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each cell its area, the gradients of its hat functions, and the strains of its corners."""
-    corners = part.points[part.cells]
-    edges = corners[:, 1:] - corners[:, :1]
-    gradients = np.linalg.inv(edges)
-    gradients = np.concatenate([-gradients.sum(axis=2, keepdims=True), gradients], axis=2)
-    strains = np.zeros((len(edges), 3, 6))
-    strains[:, 0, 0::2] = strains[:, 2, 1::2] = gradients[:, 0]
-    strains[:, 1, 1::2] = strains[:, 2, 0::2] = gradients[:, 1]
-    return np.linalg.det(edges) / 2, gradients, strains
-
-
-def displacement(part: dynmesh.Part) -> np.ndarray:
-    area, _, strains = strain_matrices(part)
-    stiffness = np.einsum("n,nki,kl,nlj->nij", area, strains, LAW, strains)
-    unknowns = (2 * part.cells[:, :, None] + [0, 1]).reshape(-1, 6)
-    matrix = coo_matrix((stiffness.ravel(), (np.repeat(unknowns, 6, axis=1).ravel(),
-                                             np.tile(unknowns, (1, 6)).ravel()))).tocsr()
-    # Tension at the upper and lower side.
-    load = np.zeros((len(part.points), 2))
-    for side in (-1, 1):
-        edges = part.facets[(part.points[part.facets, 1] == side * HEIGHT).all(axis=1)]
-        lengths = np.linalg.norm(part.points[edges[:, 1]] - part.points[edges[:, 0]], axis=1)
-        np.add.at(load[:, 1], edges, side * lengths[:, None] / 2)
-    # No motion of the whole: a lower corner stays, the other one in its height.
-    fixed = [2 * corner(part, -WIDTH), 2 * corner(part, -WIDTH) + 1, 2 * corner(part, WIDTH) + 1]
-    free = np.setdiff1d(np.arange(matrix.shape[0]), fixed)
-    u = np.zeros(matrix.shape[0])
-    u[free] = spsolve(matrix[free][:, free], load.ravel()[free])
-    return u.reshape(-1, 2)
-
-
-def corner(part: dynmesh.Part, x: float) -> int:
-    return int(np.flatnonzero((part.points == [x, -HEIGHT]).all(axis=1))[0])
-
-
-def intensity(part: dynmesh.Part, u: np.ndarray, tip: float, side: int) -> float:
-    """From the energy release rate: the J-integral over a ring around the tip, as one over cells."""
-    area, gradients, strains = strain_matrices(part)
-    strain = np.einsum("nki,ni->nk", strains, u[part.cells].reshape(-1, 6))
-    stress = strain @ LAW
-    tensor = stress[:, [0, 2, 2, 1]].reshape(-1, 2, 2)
-    slope = np.einsum("nik,nkj->nji", gradients, u[part.cells])  # of u_j along axis i
-    # Falls from one to zero away from the tip.
-    weight = np.clip(1.5 - np.linalg.norm(part.points - [tip, 0], axis=1) / 0.1, 0, 1)
-    falls = np.einsum("nik,nk->ni", gradients, weight[part.cells])
-    energy = (stress * strain).sum(axis=1) / 2
-    released = np.einsum("nij,ni,nj->n", tensor, slope[:, :, 0], falls) - energy * falls[:, 0]
-    return math.sqrt(max(0, side * float(area @ released)) / (1 - POISSON**2))
-
-
 def integral(part: dynmesh.Part, u: np.ndarray) -> np.ndarray:
-    return strain_matrices(part)[0] @ u[part.cells].mean(axis=1)
+    return elastic.strain_matrices(part)[0] @ u[part.cells].mean(axis=1)
 
 
 def opening(part: dynmesh.Part, u: np.ndarray) -> float:

@@ -58,7 +58,7 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
     free = np.flatnonzero(~fixed)
     known = np.where(fixed, u, 0)
     rest = (right - system @ known)[free]
-    found, trouble = cg(system[free][:, free], rest, x0=u[free], tol=1e-10, maxiter=5000)
+    found, trouble = cg(system[free][:, free], rest, x0=u[free], tol=1e-13, maxiter=5000)
     assert trouble == 0, "the solver did not converge"
     result = known
     result[free] = found

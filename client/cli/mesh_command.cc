@@ -248,15 +248,19 @@ int Run(MeshCommand command) {
     return PrintOut(SummariseQuadtree(*mesh, options, took.count(), command.json)) ? kExitDone
                                                                                    : kExitFailed;
   }
+  absl::StatusOr<Mesh> opened = Mesh();
   if (!selection->IsEverything()) {
     const std::size_t all = mesh->simplex_count();
+    if (selection->IsOpened()) opened = selection->OpenedOf(*mesh);
+    if (!opened.ok()) return ReportError(opened.status());
     mesh = selection->Of(*mesh);
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;
   }
   const QualityReport quality = MeasureQuality(*mesh, options, input->features);
   if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
-  const absl::Status written = WriteOutputs(*mesh, options, command.output, labels);
+  const absl::Status written =
+      WriteOutputs(selection->IsOpened() ? *opened : *mesh, options, command.output, labels);
   bar.End();
   if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);

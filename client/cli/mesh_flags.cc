@@ -21,18 +21,19 @@ absl::Status Flag(const char* flag, const absl::Status& status) {
   return absl::InvalidArgumentError(text::Concat(flag, ": ", text::View(status.message())));
 }
 
-// "ID,ID,...". `word` is the alternative that the flag accepts.
+// "ID,ID,...", ids of `what`. `word` is the alternative that the flag accepts, with ", or " before
+// it.
 absl::StatusOr<std::vector<FeatureId>> ParseIds(const char* flag, const std::string& text,
-                                                const char* word) {
+                                                const char* word, const char* what = "polygons") {
   std::vector<FeatureId> ids;
   for (const std::string_view part : text::Split(text, ',')) {
     FeatureId id = kNoFeature;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), id);
     if (error != std::errc() || end != part.data() + part.size() || id == kNoFeature ||
         id == kBoxFeature) {
-      return Flag(flag, absl::InvalidArgumentError(
-                            text::Concat("expected ids of polygons, separated by commas, or ", word,
-                                         ", found ", text::Quoted(part))));
+      return Flag(flag, absl::InvalidArgumentError(text::Concat("expected ids of ", what,
+                                                                ", separated by commas", word,
+                                                                ", found ", text::Quoted(part))));
     }
     ids.push_back(id);
   }
@@ -96,11 +97,15 @@ absl::StatusOr<mesh_data::RegionChoice> ParseRegionFlag(const std::string& text)
     choice.in_any = true;
     return choice;
   }
-  absl::StatusOr<std::vector<FeatureId>> ids = ParseIds("--region", text, "any");
+  absl::StatusOr<std::vector<FeatureId>> ids = ParseIds("--region", text, ", or any");
   if (!ids.ok()) return ids.status();
   choice.in = *std::move(ids);
   mesh_data::Normalize(choice);
   return choice;
+}
+
+absl::StatusOr<std::vector<FeatureId>> ParseOpenFlag(const std::string& text) {
+  return ParseIds("--open", text, "", "segments or polygons");
 }
 
 void AddOutsideFlag(CLI::App& command, std::string& text) {
@@ -119,7 +124,7 @@ absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<Feature
     choice.out = *holes;
   } else {
     absl::StatusOr<std::vector<FeatureId>> ids =
-        ParseIds("--outside", text, "the word holes for a .poly");
+        ParseIds("--outside", text, ", or the word holes for a .poly");
     if (!ids.ok()) return ids.status();
     choice.out = *std::move(ids);
   }

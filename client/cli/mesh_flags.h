@@ -52,6 +52,9 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
 void AddRegionFlag(CLI::App& command, std::string& text);
 absl::StatusOr<mesh_data::RegionChoice> ParseRegionFlag(const std::string& text);
 
+// "ID,ID,..." of --open.
+absl::StatusOr<std::vector<FeatureId>> ParseOpenFlag(const std::string& text);
+
 // --outside: only the part of the mesh outside these polygons. `holes` stands for the polygons of a
 // file's holes; null if the input's kind has none.
 void AddOutsideFlag(CLI::App& command, std::string& text);

@@ -97,6 +97,8 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       .add_option("--msh-version", flags.msh_version,
                   "Version of a .msh: 4.1, or 2.2 for programs that read no other (default: 4.1)")
       ->type_name("4.1|2.2");
+  command.add_flag("--binary", flags.binary,
+                   "Write the numbers of a .msh as bytes, which are read faster");
   command.add_flag("--zero-based", flags.from_zero,
                    "In .node and the files beside it, number from 0");
   command.add_flag("--neighbours,--neighbors", flags.neighbours,
@@ -220,6 +222,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   const auto msh_version = io::MshVersionOf(flags.msh_version, "--msh-version");
   if (!msh_version.ok()) return msh_version.status();
   output.msh_version = *msh_version;
+  output.binary = flags.binary;
   output.files.from_zero = flags.from_zero;
   output.files.neighbours = flags.neighbours;
   output.files.voronoi = flags.voronoi;

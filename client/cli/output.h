@@ -25,11 +25,13 @@ struct OutputFlags {
   double width = 1000;
   int order = 1;  // of elements
   double msh_version = 4.1;
+  bool binary = false;  // of a .msh
   bool from_zero = false, neighbours = false, voronoi = false;
   bool same_name = false;  // files may have the base name of the input
 };
 
-// -o, --order, --msh-version, --zero-based, --neighbours, --voronoi and --same-name for meshes, and
+// -o, --order, --msh-version, --binary, --zero-based, --neighbours, --voronoi and --same-name for
+// meshes, and
 // --fill --crop
 // --cut --clip --legend --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);

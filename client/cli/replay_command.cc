@@ -287,6 +287,7 @@ class Replay {
     labels_.is_part = !selection_.IsEverything();
     if (labels_.is_part) {
       absl::StatusOr<Mesh> part = selection_.Of(mesh);
+      if (part.ok() && selection_.IsOpened()) part = selection_.OpenedOf(mesh);
       if (!part.ok()) return part.status();
       mesh = *std::move(part);
     }

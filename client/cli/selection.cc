@@ -13,6 +13,8 @@
 #include "client/cli/mesh_flags.h"
 #include "client/preparation/winding.h"
 #include "core/base/text.h"
+#include "dynmesh/part.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -91,6 +93,15 @@ void AddSelectionFlags(CLI::App& command, SelectionFlags& flags) {
                    "Triangle and TetGen do");
   AddRegionFlag(command, flags.region);
   AddOutsideFlag(command, flags.outside);
+  AddOpenFlag(command, flags.open);
+}
+
+void AddOpenFlag(CLI::App& command, std::string& text) {
+  command
+      .add_option("--open", text,
+                  "With --region: open what is written along these segments (in 3D polygons), as "
+                  "cracks: each side has vertices of its own")
+      ->type_name("ID[,ID...]");
 }
 
 void AddSurroundingsFlag(CLI::App& command, SelectionFlags& flags) {
@@ -114,6 +125,16 @@ absl::StatusOr<Selection> Selection::Parse(const SelectionFlags& flags, const In
     if (auto s = ApplyOutsideFlag(flags.outside, holes, *choice); !s.ok()) return s;
   }
   selection.choice_ = *std::move(choice);
+  if (!flags.open.empty()) {
+    absl::StatusOr<std::vector<FeatureId>> open = ParseOpenFlag(flags.open);
+    if (!open.ok()) return open.status();
+    if (selection.inside_ || selection.by_holes_ ||
+        (selection.choice_.in.empty() && !selection.choice_.in_any)) {
+      return absl::InvalidArgumentError(
+          "--open is for a part in polygons: give --region ID or --region any with it");
+    }
+    selection.open_ = *std::move(open);
+  }
   return selection;
 }
 
@@ -133,6 +154,24 @@ absl::StatusOr<Mesh> Selection::Of(const Mesh& mesh) const {
     return mesh;
   }
   return mesh_data::OnlyRows(mesh, keep);
+}
+
+absl::StatusOr<Mesh> Selection::OpenedOf(const Mesh& mesh) const {
+  const absl::StatusOr<SlotMesh> slots = SlotMesh::FromMesh(mesh);
+  if (!slots.ok()) return slots.status();
+  const MeshPart part(
+      *slots,
+      {.polygons = choice_.in, .inside = choice_.in_any, .without = choice_.out, .open = open_});
+  const std::span<const FeatureId> owners = part.facet_owners().span();
+  const std::set<FeatureId> there(owners.begin(), owners.end());
+  for (const FeatureId id : open_) {
+    if (there.contains(id)) continue;
+    return absl::InvalidArgumentError(
+        Concat("--open: nothing of the chosen part is on feature ", id, "; ",
+               mesh.dimension == 3 ? "polygons" : "segments, or edges of polygons,",
+               " are opened, by their ids"));
+  }
+  return part.ToMesh(*slots);
 }
 
 absl::Status Selection::CheckPolygons(const Mesh& mesh) const {

@@ -1,9 +1,10 @@
-// The flags that choose a part of a mesh to write: --inside, --region, --outside.
+// The flags that choose a part of a mesh to write: --inside, --region, --outside, --open.
 #ifndef DYNMESH_CLIENT_CLI_SELECTION_H_
 #define DYNMESH_CLIENT_CLI_SELECTION_H_
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
@@ -19,11 +20,14 @@ struct SelectionFlags {
   bool inside = false;
   std::string region;
   std::string outside;
+  std::string open;  // features along which the part is opened
   // What is chosen without a flag: the inside, if there is any.
   bool inside_by_default = false;
   bool surroundings = false;  // not even then
 };
 void AddSelectionFlags(CLI::App& command, SelectionFlags& flags);
+// --open
+void AddOpenFlag(CLI::App& command, std::string& text);
 // --surroundings
 void AddSurroundingsFlag(CLI::App& command, SelectionFlags& flags);
 
@@ -40,6 +44,11 @@ class Selection {
   // is empty or a polygon is not in the mesh. Prints a warning for a hole that marks nothing, and
   // if nothing is enclosed where the inside is the default: then it is the whole mesh.
   absl::StatusOr<Mesh> Of(const Mesh& mesh) const;
+  // Is it opened along features?
+  bool IsOpened() const { return !open_.empty(); }
+  // The same, opened: for files (MeshPart::ToMesh). INVALID_ARGUMENT, too, if one of the features
+  // is nowhere in the chosen part.
+  absl::StatusOr<Mesh> OpenedOf(const Mesh& mesh) const;
 
  private:
   absl::Status CheckPolygons(const Mesh& mesh) const;
@@ -55,6 +64,7 @@ class Selection {
   bool is_default_ = false;  // inside_, without a flag
   bool by_holes_ = false;    // leave out the chambers with the seeds of holes; 3D
   mesh_data::RegionChoice choice_;
+  std::vector<FeatureId> open_;
 };
 
 // "3, 7, 12", of more than ten "3, 7, ... and 4 more".

@@ -223,17 +223,6 @@ absl::Status MeshPart::Update(const SlotMesh& mesh, std::span<const MeshDiff* co
   return state_->Update(mesh, diffs);
 }
 
-absl::StatusOr<Mesh> MeshPart::ToMesh(const SlotMesh& mesh) const {
-  if (absl::Status s = state_->CheckIsAt(mesh); !s.ok()) return s;
-  if (state_->HasSeams()) {
-    return absl::FailedPreconditionError(
-        "a mesh has one vertex in a place, and this part has copies: it cannot be one");
-  }
-  const Mesh whole = mesh.ToMesh();
-  if (!state_->IsEmptyChoice()) return mesh_data::OnlyInside(whole, state_->regions);
-  return mesh_data::OnlyRows(whole, std::vector<bool>(whole.simplex_count()));
-}
-
 absl::StatusOr<std::vector<std::int32_t>> MeshPart::CellsAround(
     const SlotMesh& mesh, std::span<const std::int32_t> vertices) const {
   if (absl::Status s = state_->CheckIsAt(mesh); !s.ok()) return s;

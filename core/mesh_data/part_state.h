@@ -62,6 +62,7 @@ std::size_t AddRow(SlotColumn<T>& column, std::size_t width, T value) {
 }  // namespace part_state
 
 struct MeshPart::State {
+  class Opener;  // part_mesh.cc
   using FacetKey = part_state::FacetKey;
 
   int dimension = 2;

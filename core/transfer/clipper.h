@@ -1,5 +1,5 @@
 // The overlap of an old simplex and a new one: the piece's mixed mass matrix, and the faces of the
-// old simplex across which the new one continues. Only for overlay.cc.
+// old simplex across which the new one continues. Only for overlay.cc and dual_transfer.cc.
 #ifndef DYNMESH_CORE_TRANSFER_CLIPPER_H_
 #define DYNMESH_CORE_TRANSFER_CLIPPER_H_
 
@@ -75,10 +75,50 @@ class Clipper {
   // simplex's faces on which the piece has a side: face k is opposite to corner k.
   bool Clip(const PatchSimplex<D>& from, Piece<D>& piece, Mass& own, std::uint32_t& open) const {
     const Corners<D> old = Relative(from.corners);
-    const double extent = std::max(extent_, ExtentOf(old));
-    ByFace noise, greatest, least;
-    for (std::size_t k = 0; k <= D; ++k) noise[k] = noises_[k] * extent;
+    ByFace noise;
     const ClipValues<D> values = ValuesAt(old);
+    Clipped<D> clipped(values);
+    if (!Cut(old, values, noise, clipped)) return false;
+    open = clipped.Sides();
+    return *std::max_element(noise.begin(), noise.end()) > kFine * scaled_measure_
+               ? IntegrateAtPositions(clipped, old, from.measure, piece.mass, own)
+               : Integrate(clipped, values, from.measure, piece.mass, own);
+  }
+
+  // Calls visit(old coordinates, new coordinates, measure) for each simplex of a triangulation of
+  // the piece; coordinates are barycentric, by its corner.
+  template <class Visit>
+  void ForEachSimplex(const PatchSimplex<D>& from, const Visit& visit) const {
+    using Coordinates = std::array<std::array<double, D + 1>, D + 1>;
+    const Corners<D> old = Relative(from.corners);
+    ByFace noise;
+    const ClipValues<D> values = ValuesAt(old);
+    Clipped<D> clipped(values);
+    if (!Cut(old, values, noise, clipped)) return;
+    clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
+      Coordinates in_old, in_new;
+      Corners<D> positions;
+      for (std::size_t i = 0; i <= D; ++i) {
+        in_old[i] = clipped.corner(corners[i]).lambda;
+        for (std::size_t k = 0; k < D; ++k) positions[i][k] = in_old[i][k + 1];
+        for (std::size_t k = 0; k <= D; ++k) {
+          in_new[i][k] = clipped.corner(corners[i]).values[k] / scaled_measure_;
+        }
+      }
+      const double measure = from.measure * ScaledMeasure(positions);
+      if (measure > 0) visit(in_old, in_new, measure);
+    });
+  }
+
+ private:
+  using ByFace = std::array<double, D + 1>;
+
+  // Clips by all half-spaces; `noise` is that of their values. False if nothing is in common.
+  bool Cut(const Corners<D>& old, const ClipValues<D>& values, ByFace& noise,
+           Clipped<D>& clipped) const {
+    const double extent = std::max(extent_, ExtentOf(old));
+    ByFace greatest, least;
+    for (std::size_t k = 0; k <= D; ++k) noise[k] = noises_[k] * extent;
     greatest = least = values[0];
     for (std::size_t c = 1; c <= D; ++c) {
       for (std::size_t k = 0; k <= D; ++k) greatest[k] = std::max(greatest[k], values[c][k]);
@@ -87,18 +127,11 @@ class Clipper {
     for (std::size_t k = 0; k <= D; ++k) {
       if (!(greatest[k] > noise[k])) return false;
     }
-    Clipped<D> clipped(values);
     for (std::size_t k = 0; k <= D; ++k) {
       if (least[k] < -noise[k] && !clipped.By(k, noise[k])) return false;
     }
-    open = clipped.Sides();
-    return *std::max_element(noise.begin(), noise.end()) > kFine * scaled_measure_
-               ? IntegrateAtPositions(clipped, old, from.measure, piece.mass, own)
-               : Integrate(clipped, values, from.measure, piece.mass, own);
+    return true;
   }
-
- private:
-  using ByFace = std::array<double, D + 1>;
 
   // The largest rounding error of the new simplex's coordinates at the old one's corners for which
   // linear functions of these stay linear up to rounding. Such coordinates are below 64.

@@ -182,7 +182,7 @@ void NodalTransfer<D>::FindParts() {
   std::uint32_t others = SlotIndex::kNone;
   const auto part_of = [&](RegionId region) {
     const auto it = changed.find(region);
-    if (exchange_.group_count() > 1 && it != changed.end() && it->second == 0) {
+    if (overlay_.has_regions && it != changed.end() && it->second == 0) {
       if (others == SlotIndex::kNone) others = part_count_++, part_regions_.push_back(region);
       part_regions_[others] = std::min(part_regions_[others], region);
       return others;

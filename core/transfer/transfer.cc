@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "core/transfer/cell_transfer.h"
 #include "core/transfer/compensated_sum.h"
+#include "core/transfer/dual_transfer.h"
 #include "core/transfer/exchange.h"
 #include "core/transfer/nodal_transfer.h"
 #include "core/transfer/overlay.h"
@@ -30,6 +31,12 @@ struct Rows {
   std::span<const Slot> slots;
   std::size_t width = 1;
 };
+
+bool IsAtVertices(FieldKind kind) { return kind == FieldKind::kP1 || kind == FieldKind::kDual; }
+// Has it a value at each corner of a simplex?
+bool IsAtCorners(FieldKind kind) {
+  return kind == FieldKind::kDG1 || kind == FieldKind::kDualCorners;
+}
 
 absl::Status NotFinite(bool of_vertex, Slot slot, double value) {
   return absl::InvalidArgumentError(
@@ -75,6 +82,8 @@ class Transfer::ImplOf final : public Transfer::Impl {
     switch (options.kind) {
       case FieldKind::kP1:
         return CarryNodes(options, density, field);
+      case FieldKind::kDual:
+        return CarryDual(options, density, field);
       case FieldKind::kLargestOverlap:
         return CarryDonors(options, density, field);
       default:
@@ -125,9 +134,9 @@ class Transfer::ImplOf final : public Transfer::Impl {
       return absl::InvalidArgumentError(
           Concat(options.rings, " rings: there may be 0 to ", kMostRings));
     }
-    const bool at_vertices = options.kind == FieldKind::kP1;
+    const bool at_vertices = IsAtVertices(options.kind);
     const std::size_t rows = at_vertices ? mesh_.ids().size() : mesh_.regions().size();
-    const std::size_t width = options.kind == FieldKind::kDG1 ? D + 1 : 1;
+    const std::size_t width = IsAtCorners(options.kind) ? D + 1 : 1;
     const auto check = [&](const char* name, std::size_t size, std::size_t components) {
       if (size == rows * width * components) return absl::OkStatus();
       return absl::InvalidArgumentError(Concat(
@@ -190,7 +199,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
                                                    const CarryOne& carry_one,
                                                    const AddFlows& add_flows) {
     const auto components = static_cast<std::size_t>(options.components);
-    const bool of_vertices = options.kind == FieldKind::kP1;
+    const bool of_vertices = IsAtVertices(options.kind);
     std::vector<std::vector<double>> made;
     std::map<std::pair<RegionId, RegionId>, std::vector<double>> flows;
     const std::size_t all = components + (density.empty() ? 0 : 1);
@@ -232,7 +241,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
                                                      std::span<double> density,
                                                      std::span<double> field) {
     const bool is_linear = options.kind == FieldKind::kP0Linear;
-    const std::size_t width = options.kind == FieldKind::kDG1 ? D + 1 : 1;
+    const std::size_t width = IsAtCorners(options.kind) ? D + 1 : 1;
     if (is_linear && !stencil_) stencil_.emplace(mesh_, overlay_);
     std::vector<Slot> sources = from_slots_;
     if (is_linear) sources.insert(sources.end(), stencil_->kept().begin(), stencil_->kept().end());
@@ -253,14 +262,17 @@ class Transfer::ImplOf final : public Transfer::Impl {
           if (overlay_.from.empty()) return {};
           const std::span<const double> values(old.data(), kept_count * width);
           if (options.kind == FieldKind::kDG1) return cells_.Functions(values, options.bounded);
+          if (options.kind == FieldKind::kDualCorners) return Dual().OfCorners(values);
           if (is_linear) {
             return cells_.LinearMeans(*stencil_, values, options.bounded, at_corners);
           }
           return cells_.Means(values, options.bounded);
         },
         [&](const std::vector<double>& old, const auto& add) {
+          const bool is_dual = options.kind == FieldKind::kDualCorners;
+          if (is_dual && !overlay_.from.empty()) Dual().ForEachChangeOfRegion(old, add);
           for (const auto& piece : overlay_.pieces) {
-            if (!exchange_.ChangesRegion(piece)) continue;
+            if (is_dual || !exchange_.ChangesRegion(piece)) continue;
             const double mass = is_linear ? MassOf(piece, at_corners)
                                 : options.kind == FieldKind::kDG1
                                     ? MassOf(piece, old)
@@ -315,6 +327,27 @@ class Transfer::ImplOf final : public Transfer::Impl {
         });
   }
 
+  absl::StatusOr<std::vector<RegionFlow>> CarryDual(const FieldOptions& options,
+                                                    std::span<double> density,
+                                                    std::span<double> field) {
+    if (overlay_.from.empty()) return std::vector<RegionFlow>();
+    if (!dual_nodes_) dual_nodes_.emplace(mesh_, overlay_);
+    return CarryAll(
+        options, {dual_nodes_->sources(), 1}, {dual_nodes_->results(), 1},
+        [&](std::size_t i) { return dual_nodes_->is_added(i); }, density, field,
+        [&](const std::vector<double>& old) {
+          return dual_nodes_->Values(old, Dual().OfCorners(dual_nodes_->AtCorners(old)));
+        },
+        [&](const std::vector<double>& old, const auto& add) {
+          Dual().ForEachChangeOfRegion(dual_nodes_->AtCorners(old), add);
+        });
+  }
+
+  const transfer::DualTransfer<D>& Dual() {
+    if (!dual_) dual_.emplace(overlay_, exchange_);
+    return *dual_;
+  }
+
   absl::StatusOr<std::vector<RegionFlow>> CarryDonors(const FieldOptions& options,
                                                       std::span<double> density,
                                                       std::span<double> field) {
@@ -343,6 +376,8 @@ class Transfer::ImplOf final : public Transfer::Impl {
   std::vector<Slot> from_slots_, to_slots_;
   std::optional<transfer::Stencil<D>> stencil_;
   std::optional<transfer::NodalTransfer<D>> nodes_;
+  std::optional<transfer::DualTransfer<D>> dual_;
+  std::optional<transfer::DualNodes<D>> dual_nodes_;
   int rings_ = 0;
 };
 

@@ -39,8 +39,9 @@ class Fields {
     const auto front = [=](const double* x) {
       return std::tanh(30 * ((x[0] - box.lo[0]) - (x[1] - box.lo[1])) / size);
     };
-    for (const FieldKind kind :
-         {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kP1, FieldKind::kDG1}) {
+    for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kP1,
+                                 FieldKind::kDG1, FieldKind::kDual}) {
+      if (kind == FieldKind::kDual && options.dimension == 3) continue;  // slow there
       for (const bool bounded : {false, true}) {
         FieldOptions field;
         field.kind = kind, field.bounded = bounded;

@@ -64,7 +64,7 @@ int RunList(const ServerFlags& flags) {
 struct NamedCommand {
   ServerFlags server;
   std::string id;
-  std::string region;
+  std::string region, open;
   OutputFlags output;
   std::string markers;
 };
@@ -82,17 +82,24 @@ int RunDelete(const NamedCommand& command) {
 // server takes ids only. An error, with a list of what there is, if nothing is chosen.
 absl::StatusOr<Mesh> GetPart(client::MeshClient& client, const NamedCommand& command,
                              const mesh_data::RegionChoice& region, const MeshOptions& options) {
-  absl::StatusOr<Mesh> part = client.GetSnapshot(command.id, region.in);
-  if (!part.ok() || command.region.empty()) return part;
-  if (!region.in_any && part->simplex_count() != 0) return part;
+  const bool is_opened = !command.open.empty();  // then it takes the whole mesh
+  absl::StatusOr<Mesh> part =
+      client.GetSnapshot(command.id, is_opened ? std::vector<FeatureId>() : region.in);
+  if (!part.ok() || (command.region.empty() && !is_opened)) return part;
+  if (!is_opened && !region.in_any && part->simplex_count() != 0) return part;
   // Only the whole mesh says what there is.
-  const absl::StatusOr<Mesh> whole = region.in_any ? part : client.GetSnapshot(command.id);
+  const absl::StatusOr<Mesh> whole =
+      region.in_any || is_opened ? part : client.GetSnapshot(command.id);
   if (!whole.ok()) return whole;
   Input nothing_known;
   nothing_known.options = options;
-  const auto selection = Selection::Parse({false, command.region, ""}, nothing_known, false);
+  SelectionFlags flags;
+  flags.region = command.region, flags.open = command.open;
+  const auto selection = Selection::Parse(flags, nothing_known, false);
   if (!selection.ok()) return selection.status();
-  return selection->Of(*whole);
+  absl::StatusOr<Mesh> chosen = selection->Of(*whole);
+  if (!chosen.ok() || !is_opened) return chosen;
+  return selection->OpenedOf(*whole);
 }
 
 int RunExport(const NamedCommand& command) {
@@ -183,6 +190,7 @@ void RegisterExportCommand(CLI::App& app, CommandSlot& slot) {
                                    [command] { return RunExport(*command); });
   sub->add_option("MESH", command->id, "Its id")->required();
   AddRegionFlag(*sub, command->region);
+  AddOpenFlag(*sub, command->open);
   AddOutputFlags(*sub, command->output);
   AddMarkersFlag(*sub, command->markers);
   sub->get_option("--output")->required();

@@ -10,7 +10,7 @@ from typing import Any, Callable, Optional, Union
 import numpy as np
 
 from dynmesh import _core
-from dynmesh._rows import check_kind, check_rows, check_values, is_any_dtype
+from dynmesh._rows import check_kind, check_rows, check_values, is_any_dtype, is_at_vertices
 from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
 from dynmesh.errors import FailedPrecondition, StaleDiff
@@ -155,10 +155,11 @@ class Diff:
 
         Args:
             u: the field on the old mesh, exactly one row per slot of the old mesh (or of the new
-                one: its further rows are not read). P1: vertex slots; else cell slots. Rows are
+                one: its further rows are not read). P1, dual: vertex slots; else cells. Rows are
                 finite numbers or have a further axis of components; DG1 has an axis of corners
                 before that, in the order of `Mesh.cells`.
-            kind: "P1": values at vertices. "P0": means of cells. "DG1": a linear function in each
+            kind: "P1": values at vertices. "dual": means over the median-dual cells of vertices, of
+                first order and within the range of the old ones. "P0": means of cells. "DG1": a linear function in each
                 cell. "overlap": each new cell gets the row, of any dtype, of the old cell with the
                 largest intersection. A function: called with `u` and `Pieces`, returns the rows of
                 `patch.added_cells`.
@@ -197,7 +198,7 @@ class Diff:
             self.flows = []
             return
         width, components = self._shape_of(values, kind)
-        slots = self._new_slots[0 if kind == "P1" else 1]
+        slots = self._new_slots[0 if is_at_vertices(kind) else 1]
         if not self.patch.added_cells.size and not self.patch.relabelled_cells.size:
             self.flows = []
             return
@@ -220,9 +221,9 @@ class Diff:
         Transfers their product, then divides by the new density. If that is 0, the velocity is 0.
 
         Args:
-            density: a number for each vertex slot (P1) or cell slot.
+            density: a number for each vertex slot (P1, dual) or cell slot.
             velocity: any number of components for each slot.
-            kind: "P1", "P0" or "DG1", as in `transfer`; so are `bounded`, `order` and `rings`.
+            kind: "P1", "dual", "P0" or "DG1", as in `transfer`; so are `bounded`, `order` and `rings`.
 
         Returns:
             New arrays of density and velocity.
@@ -233,7 +234,7 @@ class Diff:
         self._check()
         self._check_options(kind, order)
         if is_any_dtype(kind):
-            raise ValueError(f"kind: momentum is carried as 'P1', 'P0' or 'DG1', not as {kind!r}")
+            raise ValueError(f"kind: momentum is carried as 'P1', 'dual', 'P0' or 'DG1', not as {kind!r}")
         rho = self._prepare("density", np.asarray(density), False, kind)
         v = self._prepare("velocity", np.asarray(velocity), False, kind)
         width, components = self._shape_of(v, kind)
@@ -241,7 +242,7 @@ class Diff:
         if rho_components != 1 or rho_width != width:
             raise ValueError("density: it has one number for each place of the velocity, of the "
                              f"shape {v.shape}, and got {rho.shape}")
-        slots = self._new_slots[0 if kind == "P1" else 1]
+        slots = self._new_slots[0 if is_at_vertices(kind) else 1]
         if self.patch.added_cells.size:
             with self._core_transfer() as transfer:
                 self._note(transfer.carry_momentum(
@@ -300,7 +301,7 @@ class Diff:
 
     def _prepare(self, what: str, u: Array, inplace: bool, kind: Kind) -> Array:
         """A copy with a row for each new slot, or `u` itself. Raises if `u` is not of the kind."""
-        which = 0 if kind == "P1" else 1
+        which = 0 if is_at_vertices(kind) else 1
         if inplace:
             check_rows(what, u, kind, self._new_slots, self.to_revision, at_least=True)
             check_values(what, u, kind, self._mesh.dimension)
@@ -323,13 +324,14 @@ class Diff:
     def _shape_of(self, values: Array, kind: Kind) -> tuple[int, int]:
         axes = values.shape[1:]
         width = 1
-        if kind == "DG1":
+        if kind in ("DG1", "dual-corners"):
             width, axes = axes[0], axes[1:]
         return width, (axes[0] if axes else 1)
 
     @staticmethod
     def _check_options(kind: Kind, order: int) -> None:
-        check_kind(kind)
+        if kind != "dual-corners":  # of a part, which carries them itself
+            check_kind(kind)
         if order not in (1, 2):
             raise ValueError(f"order: the order is 1 or 2, and got {order!r}")
 

@@ -10,7 +10,8 @@ from typing import Any, Optional
 import numpy as np
 
 from dynmesh._diff import Diff
-from dynmesh._rows import check_finite, check_kind, check_rows, check_values, is_any_dtype
+from dynmesh._rows import (check_finite, check_kind, check_rows, check_values, is_any_dtype,
+                           is_at_vertices)
 from dynmesh._state import MeshState
 from dynmesh._types import Array
 from dynmesh.errors import InvalidArgument
@@ -78,7 +79,7 @@ class Fields(Mapping[str, Array]):
 
         Args:
             name: that of the field; a field of this name is replaced.
-            values: a row for each slot, exactly: `Mesh.vertex_slots` rows of "P1", else
+            values: a row for each slot, exactly: `Mesh.vertex_slots` rows of "P1" and "dual", else
                 `Mesh.cell_slots`. Numbers are finite, except in free rows.
             kind: as in `Diff.transfer`.
             options: as in `Diff.transfer`: `bounded`, `order`, `rings`.
@@ -99,7 +100,7 @@ class Fields(Mapping[str, Array]):
             check_values(what, array, kind, mesh.dimension)
             rows = np.array(array, dtype=None if is_any_dtype(kind) else np.float64, order="C")
             check_finite(what, rows, kind,
-                         mesh.live_vertices if kind == "P1" else mesh.live_cells)
+                         mesh.live_vertices if is_at_vertices(kind) else mesh.live_cells)
             with self._lock:
                 field = self._fields[name] = _Field(rows, {"kind": kind, **options})
                 return field.view
@@ -139,7 +140,8 @@ class Fields(Mapping[str, Array]):
         with self._lock:
             for name, field in list(self._fields.items()):
                 try:
-                    field.advance(diff, diff._new_slots[0 if field.options["kind"] == "P1" else 1])
+                    at_vertices = is_at_vertices(field.options["kind"])
+                    field.advance(diff, diff._new_slots[0 if at_vertices else 1])
                 except (ValueError, TypeError) as error:
                     trouble[name] = error
             for name in trouble:

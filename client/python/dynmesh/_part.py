@@ -11,7 +11,7 @@ from dynmesh import _batch, _core
 from dynmesh._copies import set_at_vertices
 from dynmesh._diff import Diff
 from dynmesh._meshio import to_meshio
-from dynmesh._rows import check_values
+from dynmesh._rows import check_values, is_at_vertices
 from dynmesh._state import MeshState
 from dynmesh._types import Array, Label
 from dynmesh._write import Writable
@@ -121,10 +121,11 @@ class Part(Writable):
 
         Args:
             diff: that leads from the part's revision to the mesh's.
-            u: a row for each vertex ("P1") or cell of the part before the edit. Rows are finite
+            u: a row for each vertex ("P1", "dual") or cell of the part before the edit. Rows are finite
                 numbers, or have a further axis of components; those of "DG1" have an axis of corners
                 before that, in the order of `cells`.
-            kind: "P1": values at vertices, of which each copy has its own. "P0": means of cells.
+            kind: "P1": values at vertices, of which each copy has its own. "dual": means over
+                median-dual cells, which end at the part's border and at cracks. "P0": means of cells.
                 "DG1": a linear function in each cell.
             bounded: keeps all values in the range of the old ones. What comes into the part then has
                 their mean, and else 0.
@@ -137,8 +138,8 @@ class Part(Writable):
             ValueError, TypeError: wrong kind, length, shape or dtype, or a value in the patch that is
                 not finite.
         """
-        if kind not in ("P1", "P0", "DG1"):
-            raise ValueError(f"kind: a part carries 'P1', 'P0' and 'DG1', and got {kind!r}")
+        if kind not in ("P1", "dual", "P0", "DG1"):
+            raise ValueError(f"kind: a part carries 'P1', 'dual', 'P0' and 'DG1', and got {kind!r}")
         with self.mesh.locked():
             former = self._follow(diff)
             return self._transfer_from(former, np.asarray(u), kind, bounded)
@@ -157,14 +158,16 @@ class Part(Writable):
 
     def _transfer_from(self, former: _Former, values: Array, kind: str, bounded: bool) -> Array:
         diff = former.diff
-        rows = former.vertices if kind == "P1" else len(former.cells)
+        rows = former.vertices if is_at_vertices(kind) else len(former.cells)
         if values.ndim == 0 or len(values) != rows:
-            raise ValueError(f"u: the part had {rows} {'vertices' if kind == 'P1' else 'cells'} at "
+            raise ValueError(f"u: the part had {rows} {'vertices' if is_at_vertices(kind) else 'cells'} at "
                              f"revision {diff.from_revision}, and the values have the shape "
                              f"{values.shape}")
         check_values("u", values, kind, self.mesh.dimension)
         if kind == "P1":
-            return self._transfer_at_vertices(former, values, bounded)
+            return self._transfer_at_vertices(former, values, "DG1", bounded)
+        if kind == "dual":
+            return self._transfer_at_vertices(former, values, "dual-corners", bounded=True)
         by_slot = np.zeros((self.mesh.cell_slots, *values.shape[1:]))
         if bounded and len(values):
             by_slot[:] = values.mean(axis=0)  # beyond the part, a value within their range
@@ -173,8 +176,8 @@ class Part(Writable):
         carried: Array = by_slot[self.cell_slots]
         return carried
 
-    def _transfer_at_vertices(self, former: _Former, u: Array, bounded: bool) -> Array:
-        """As DG1, and back to the vertices."""
+    def _transfer_at_vertices(self, former: _Former, u: Array, kind: str, bounded: bool) -> Array:
+        """At the corners of cells, and back to the vertices."""
         patch = former.diff.patch
         cells, slots = self.cells, self.cell_slots
         by_slot = np.zeros((self.mesh.cell_slots, cells.shape[1], *u.shape[1:]))
@@ -183,7 +186,7 @@ class Part(Writable):
             by_slot[patch.removed_cells[numbers < 0]] = u.mean(axis=0)
             by_slot[patch.relabelled_cells] = u.mean(axis=0)
         by_slot[patch.removed_cells[numbers >= 0]] = u[former.cells[numbers[numbers >= 0]]]
-        former.diff._carry(by_slot, "DG1", bounded=bounded)
+        former.diff._carry(by_slot, kind, bounded=bounded)
         # The vertices that are new, have moved to another row, or have other cells.
         changed = np.zeros(len(self.vertex_slots), bool)
         changed[self.changed_vertices] = True

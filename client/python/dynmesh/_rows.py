@@ -7,7 +7,7 @@ import numpy as np
 
 from dynmesh._types import Array
 
-_NUMBERS = ("P0", "P1", "DG1")
+_NUMBERS = ("P0", "P1", "DG1", "dual")
 
 
 def check_kind(kind: Any) -> None:
@@ -18,8 +18,14 @@ def check_kind(kind: Any) -> None:
     hint = near.get(kind.lower()) if isinstance(kind, str) else None
     raise ValueError(f"kind: there is no kind {kind!r}"
                      + (f": {hint!r} is meant?" if hint else "")
-                     + "; there are 'P1' (values at vertices), 'P0' (means of cells), 'DG1' "
-                     "(values at the corners of cells), 'overlap' (rows of cells), or a function")
+                     + "; there are 'P1' (values at vertices), 'dual' (means over median-dual "
+                     "cells), 'P0' (means of cells), 'DG1' (values at the corners of cells), "
+                     "'overlap' (rows of cells), or a function")
+
+
+def is_at_vertices(kind: Any) -> bool:
+    """Has a field of this kind a row for each vertex, not for each cell?"""
+    return isinstance(kind, str) and kind in ("P1", "dual")
 
 
 def is_any_dtype(kind: Any) -> bool:
@@ -39,7 +45,7 @@ def check_rows(what: str, u: Array, kind: Any, slots: tuple[int, int], revision:
     The number of `later` slots is accepted, too. With `at_least`, more rows than slots are, unless
     their number is that of the other kind's slots: then the kind is likely to be wrong.
     """
-    at_vertices = kind == "P1"
+    at_vertices = is_at_vertices(kind)
     right, wrong = slots if at_vertices else slots[::-1]
     mine, others = ("vertex", "cell") if at_vertices else ("cell", "vertex")
     if u.ndim == 0:
@@ -52,7 +58,7 @@ def check_rows(what: str, u: Array, kind: Any, slots: tuple[int, int], revision:
             f"{'at least ' if at_least else ''}{right} rows at revision {revision}, and got "
             f"{len(u)}")
     if len(u) in (wrong, later[1 if at_vertices else 0]):
-        fit = "'P0', 'DG1' or 'overlap'" if at_vertices else "'P1'"
+        fit = "'P0', 'DG1' or 'overlap'" if at_vertices else "'P1' or 'dual'"
         raise ValueError(f"{text}, the number of {others} slots: values of "
                          f"{'cells' if at_vertices else 'vertices'} have kind={fit}")
     raise ValueError(f"{text}; mesh.{mine}_slots is that number, and rows of mesh.compact() are "
@@ -69,7 +75,7 @@ def check_values(what: str, u: Array, kind: Any, dimension: int) -> None:
                         + ("; carry .real and .imag" if u.dtype.kind == "c" else
                            "; kind='overlap' carries rows of any dtype"))
     axes = u.shape[1:]
-    if kind == "DG1":
+    if kind in ("DG1", "dual-corners"):
         width = dimension + 1
         if not axes or axes[0] != width:
             raise ValueError(f"{what}: kind 'DG1' has {width} values for each cell, in the order "

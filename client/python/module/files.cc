@@ -95,6 +95,7 @@ void WriteAs(const Mesh& mesh, const MeshOptions& made_with, const std::string& 
   output.part = is_part;
   output.order = choices["order"].cast<int>();
   output.msh_version = choices["msh_version"].cast<double>();
+  output.binary = choices["binary"].cast<bool>();
   output.from_zero = choices["from_zero"].cast<bool>();
   output.neighbours = choices["neighbours"].cast<bool>();
   output.voronoi = choices["voronoi"].cast<bool>();

@@ -22,8 +22,10 @@ FieldKind KindOf(const std::string& name) {
   if (name == "P0-linear") return FieldKind::kP0Linear;
   if (name == "P1") return FieldKind::kP1;
   if (name == "DG1") return FieldKind::kDG1;
+  if (name == "dual") return FieldKind::kDual;
+  if (name == "dual-corners") return FieldKind::kDualCorners;
   if (name == "overlap") return FieldKind::kLargestOverlap;
-  throw py::value_error("there is no kind " + name + "; there are P0, P1, DG1, overlap");
+  throw py::value_error("there is no kind " + name + "; there are P0, P1, DG1, dual, overlap");
 }
 
 // The first `size` numbers.

@@ -80,6 +80,7 @@ struct OutputChoices {
   bool neighbours = false;   // with a .node, the neighbours of simplices as .neigh
   bool voronoi = false;      // with a .node, the Voronoi diagram as .v.node and .v.edge
   double msh_version = 4.1;  // of a .msh: 4.1 or 2.2
+  bool binary = false;       // a .msh has its numbers as bytes, which are read faster
   // Markers of labels are those of rows, and of regions the ones of their polygons. Otherwise a
   // file has ids of features and numbers of regions; a .vtu has both in any case.
   bool input_markers = false;

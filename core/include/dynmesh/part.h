@@ -69,8 +69,10 @@ class MeshPart {
   absl::Status Update(const SlotMesh& mesh, std::span<const MeshDiff* const> diffs);
 
   // The part as a mesh of its own, with its subsegments and subfacets, the region sets and labels
-  // of the whole and the hash of the part. O(mesh). FAILED_PRECONDITION if `mesh` is not at
-  // revision(), or if the part is opened: a mesh has no two vertices in one place.
+  // of the whole and the hash of the part. Where it is opened each copy is a vertex, one with
+  // the mesh's id, others with ids that no vertex has; each side has its subsegments and
+  // subfacets, but one where no corner has copies. That is for files: it is no Delaunay mesh.
+  // O(mesh). FAILED_PRECONDITION if `mesh` is not at revision().
   absl::StatusOr<Mesh> ToMesh(const SlotMesh& mesh) const;
 
   int dimension() const;           // 2 or 3

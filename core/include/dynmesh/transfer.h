@@ -6,9 +6,9 @@
 //   auto transfer = Transfer::Make(mesh);      // for any number of fields
 //   transfer->Carry({.kind = FieldKind::kP1}, u);
 //
-// A field is an array with one row per slot: of a vertex (P1) or of a simplex (all others). Before
-// Carry it holds the values on the old mesh, also in the slots that the patch freed. After Carry it
-// holds the values on the new mesh. Values outside the patch stay, to the bit.
+// A field is an array with one row per slot: of a vertex (P1, dual) or of a simplex (all others).
+// Before Carry it holds the values on the old mesh, also in the slots that the patch freed. After
+// Carry it holds the values on the new mesh. Values outside the patch stay, to the bit.
 //
 // The removed and the added simplices of a patch fill the same region, the cavity. Carry intersects
 // them (Farrell and Maddison 2011) and moves the mass of each old simplex to the new ones that it
@@ -53,6 +53,14 @@ enum class FieldKind : std::uint8_t {
   // A value per corner of each simplex, in the order of its row in cells(); linear in each simplex.
   // The L2 projection. Preserves linear fields.
   kDG1,
+  // A mean per vertex, over its median-dual cell: the places in the simplices around it where its
+  // barycentric coordinate is the greatest. First order: a new cell gets the mean over the old ones
+  // that it overlaps, so it stays within their range. A cell at a wall lies on both sides, and so
+  // does what it gets; kDualCorners has its parts.
+  kDual,
+  // A mean over the part of a median-dual cell in each simplex, by corner, in the order of its row
+  // in cells(). First order, as kDual. Mass stays in its region as that of simplices does.
+  kDualCorners,
   // A new simplex gets the row of the old simplex with the largest overlap. For values that must
   // not be averaged, such as history variables and tags. Not conservative.
   kLargestOverlap,
@@ -61,7 +69,7 @@ enum class FieldKind : std::uint8_t {
 // How one field is carried.
 struct FieldOptions {
   FieldKind kind = FieldKind::kP1;  // the kind of its values
-  int components = 1;               // in a row; for DG1 per corner
+  int components = 1;               // in a row; of DG1 and the parts of dual cells per corner
   // P1: how many rings of vertices around the cavity the projection may change, 0 to 16. With 0 it
   // is lumped, which smears more. Any number conserves.
   int rings = 1;

@@ -90,6 +90,7 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
   if (!msh_version.ok()) return msh_version.status();
   io::MeshOutput output;
   output.msh_version = *msh_version;
+  output.binary = choices.binary;
   output.files.from_zero = choices.from_zero;
   output.files.neighbours = choices.neighbours;
   output.files.voronoi = choices.voronoi;

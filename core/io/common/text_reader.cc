@@ -103,6 +103,13 @@ bool TextReader::Next() {
   return false;
 }
 
+std::string_view TextReader::Bytes(std::size_t count) {
+  const std::string_view rest = std::string_view(*text_).substr(std::min(next_, text_->size()));
+  const std::string_view bytes = rest.substr(0, count);
+  next_ += bytes.size();
+  return bytes;
+}
+
 void TextReader::JoinContinued() {
   while (!tokens_.empty() && tokens_.back().ends_with('\\')) {
     tokens_.back().remove_suffix(1);

@@ -36,6 +36,9 @@ class TextReader {
   // While the line ends in a backslash, adds the values of the next one to it. `line` stays.
   void JoinContinued();
 
+  // The next `count` bytes as they are, from behind the current line; less at the end of the file.
+  std::string_view Bytes(std::size_t count);
+
   const std::vector<std::string_view>& tokens() const { return tokens_; }
   std::size_t size() const { return tokens_.size(); }
   std::string_view token(std::size_t i) const { return tokens_[i]; }

@@ -1,4 +1,4 @@
-// Meshes of other programs as elements with markers: Gmsh's `.msh` (ASCII, 2.2 and 4.1), Medit's
+// Meshes of other programs as elements with markers: Gmsh's `.msh` (2.2 and 4.1), Medit's
 // `.mesh` (ASCII), VTK's `.vtu` (ASCII or base64, with zlib or without), and the `.node`, `.ele`
 // and so on of Triangle and TetGen. As input geometry, to be refined, or to be judged.
 //

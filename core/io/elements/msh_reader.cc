@@ -1,10 +1,10 @@
-// Gmsh's `.msh`, ASCII, versions 2.2 and 4.1.
+// Gmsh's `.msh`, ASCII and binary, versions 2.2 and 4.1.
 #include <algorithm>
 #include <map>
 #include <vector>
 
 #include "core/io/elements/element_builder.h"
-#include "core/io/elements/token_stream.h"
+#include "core/io/elements/msh_stream.h"
 
 namespace dynmesh::io {
 namespace {
@@ -22,7 +22,7 @@ constexpr ElementType kElementTypes[] = {{15, 1, 1},  {1, 2, 2},  {8, 2, 3},   {
 
 class MshReader {
  public:
-  explicit MshReader(TextReader reader) : in_(std::move(reader)), builder_(in_.name()) {}
+  explicit MshReader(TextReader reader) : numbers_(std::move(reader)), builder_(in_.name()) {}
 
   absl::StatusOr<ElementMesh> Read() {
     bool has_format = false, has_elements = false;
@@ -79,10 +79,14 @@ class MshReader {
     is_4_ = *version > 4;
     const auto binary = in_.Uint64("the file's type");
     if (!binary.ok()) return binary.status();
-    if (*binary != 0) {
-      return in_.Error("a binary file cannot be read: save it as ASCII, as with gmsh -bin 0");
+    if (*binary > 1) return in_.Error("the file's type is 0 (ASCII) or 1 (binary)");
+    const auto size = in_.Uint64("the size of numbers");
+    if (!size.ok()) return size.status();
+    if (*binary == 0) return absl::OkStatus();
+    if (*size != 8) {
+      return in_.Error(Concat("a binary file with numbers of ", *size, " bytes cannot be read"));
     }
-    return in_.Uint64("the size of numbers").status();
+    return numbers_.BeginBinary();
   }
 
   absl::Status ReadNames() {
@@ -108,26 +112,30 @@ class MshReader {
   absl::Status ReadEntities() {
     std::array<std::uint64_t, 4> counts{};
     for (std::uint64_t& count : counts) {
-      const auto read = in_.Count("the number of entities");
+      const auto read = numbers_.Count(MshNumber::kSize, "the number of entities");
       if (!read.ok()) return read.status();
       count = *read;
     }
     for (std::size_t d = 0; d < 4; ++d) {
       for (std::uint64_t i = 0; i < counts[d]; ++i) {
-        const auto tag = in_.Int64("an entity's number");
+        const auto tag = numbers_.Int("an entity's number");
         if (!tag.ok()) return tag.status();
-        if (auto s = in_.Skip(d == 0 ? 3 : 6, "an entity's bounds"); !s.ok()) return s;
-        const auto groups = in_.Count("the number of an entity's groups");
+        if (auto s = numbers_.Skip(MshNumber::kReal, d == 0 ? 3 : 6, "an entity's bounds"); !s.ok())
+          return s;
+        const auto groups = numbers_.Count(MshNumber::kSize, "the number of an entity's groups");
         if (!groups.ok()) return groups.status();
         for (std::uint64_t g = 0; g < *groups; ++g) {
-          const auto group = in_.Int64("an entity's group");
+          const auto group = numbers_.Int("an entity's group");
           if (!group.ok()) return group.status();
           if (g == 0) group_of_[{static_cast<int>(d), *tag}] = *group < 0 ? -*group : *group;
         }
         if (d == 0) continue;
-        const auto border = in_.Count("the number of an entity's bounding entities");
+        const auto border =
+            numbers_.Count(MshNumber::kSize, "the number of an entity's bounding entities");
         if (!border.ok()) return border.status();
-        if (auto s = in_.Skip(*border, "an entity's bounding entities"); !s.ok()) return s;
+        if (auto s = numbers_.Skip(MshNumber::kInt, *border, "an entity's bounding entities");
+            !s.ok())
+          return s;
       }
     }
     return absl::OkStatus();
@@ -136,7 +144,7 @@ class MshReader {
   absl::Status ReadPosition(std::uint64_t number) {
     std::array<double, 3> position;
     for (double& c : position) {
-      const auto value = in_.Double("a coordinate");
+      const auto value = numbers_.Real("a coordinate");
       if (!value.ok()) return value.status();
       c = *value;
     }
@@ -147,7 +155,7 @@ class MshReader {
     const auto count = in_.Count("the number of vertices");
     if (!count.ok()) return count.status();
     for (std::uint64_t i = 0; i < *count; ++i) {
-      const auto number = in_.Uint64("a vertex's number");
+      const auto number = numbers_.Unsigned(MshNumber::kInt, "a vertex's number");
       if (!number.ok()) return number.status();
       if (auto s = ReadPosition(*number); !s.ok()) return s;
     }
@@ -155,27 +163,29 @@ class MshReader {
   }
 
   absl::Status ReadNodes4() {
-    const auto blocks = in_.Count("the number of blocks");
+    const auto blocks = numbers_.Count(MshNumber::kSize, "the number of blocks");
     if (!blocks.ok()) return blocks.status();
-    if (auto s = in_.Skip(3, "the numbers of vertices"); !s.ok()) return s;
+    if (auto s = numbers_.Skip(MshNumber::kSize, 3, "the numbers of vertices"); !s.ok()) return s;
     for (std::uint64_t b = 0; b < *blocks; ++b) {
-      const auto dimension = in_.Uint64("an entity's dimension");
+      const auto dimension = numbers_.Unsigned(MshNumber::kInt, "an entity's dimension");
       if (!dimension.ok()) return dimension.status();
-      if (auto s = in_.Skip(1, "an entity's number"); !s.ok()) return s;
-      const auto parametric = in_.Uint64("0 or 1 for parameters");
+      if (auto s = numbers_.Skip(MshNumber::kInt, 1, "an entity's number"); !s.ok()) return s;
+      const auto parametric = numbers_.Unsigned(MshNumber::kInt, "0 or 1 for parameters");
       if (!parametric.ok()) return parametric.status();
-      const auto count = in_.Count("the number of vertices of a block");
+      const auto count = numbers_.Count(MshNumber::kSize, "the number of vertices of a block");
       if (!count.ok()) return count.status();
       std::vector<std::uint64_t> numbers;
       for (std::uint64_t i = 0; i < *count; ++i) {
-        const auto number = in_.Uint64("a vertex's number");
+        const auto number = numbers_.Unsigned(MshNumber::kSize, "a vertex's number");
         if (!number.ok()) return number.status();
         numbers.push_back(*number);
       }
       for (const std::uint64_t number : numbers) {
         if (auto s = ReadPosition(number); !s.ok()) return s;
         if (*parametric == 0) continue;
-        if (auto s = in_.Skip(std::min<std::uint64_t>(*dimension, 3), "parameters"); !s.ok()) {
+        if (auto s = numbers_.Skip(MshNumber::kReal, std::min<std::uint64_t>(*dimension, 3),
+                                   "parameters");
+            !s.ok()) {
           return s;
         }
       }
@@ -194,54 +204,83 @@ class MshReader {
   absl::Status ReadElement(const ElementType& type, std::int64_t marker) {
     std::array<std::uint64_t, 4> corners{};
     for (std::size_t k = 0; k < type.nodes; ++k) {
-      const auto vertex = in_.Uint64("a vertex of an element");
+      const auto vertex =
+          numbers_.Unsigned(is_4_ ? MshNumber::kSize : MshNumber::kInt, "a vertex of an element");
       if (!vertex.ok()) return vertex.status();
       if (k < type.corners) corners[k] = *vertex;
     }
     return builder_.AddElement(std::span(corners).first(type.corners), marker, in_.line());
   }
 
+  // In text the type and the number of tags stand in each element. In bytes they are the header of
+  // several.
   absl::Status ReadElements2() {
     const auto count = in_.Count("the number of elements");
     if (!count.ok()) return count.status();
+    std::uint64_t following = 0, tag_count = 0;  // of this header
+    ElementType type = kElementTypes[0];
     for (std::uint64_t i = 0; i < *count; ++i) {
-      if (auto s = in_.Skip(1, "an element's number"); !s.ok()) return s;
-      const auto number = in_.Int64("an element's type");
-      if (!number.ok()) return number.status();
-      const auto type = TypeOf(*number);
-      if (!type.ok()) return type.status();
-      const auto tags = in_.Count("the number of an element's tags");
-      if (!tags.ok()) return tags.status();
+      const auto skip_number = [&] {
+        return numbers_.Skip(MshNumber::kInt, 1, "an element's number");
+      };
+      if (!numbers_.is_binary()) {
+        if (auto s = skip_number(); !s.ok()) return s;
+      }
+      if (following == 0) {
+        if (auto s = ReadHeader2(type, following, tag_count); !s.ok()) return s;
+      }
+      --following;
+      if (numbers_.is_binary()) {
+        if (auto s = skip_number(); !s.ok()) return s;
+      }
       std::int64_t marker = 0;
-      for (std::uint64_t t = 0; t < *tags; ++t) {
-        const auto tag = in_.Int64("an element's tag");
+      for (std::uint64_t t = 0; t < tag_count; ++t) {
+        const auto tag = numbers_.Int("an element's tag");
         if (!tag.ok()) return tag.status();
         if (t == 0) marker = *tag < 0 ? -*tag : *tag;
       }
-      if (auto s = ReadElement(*type, marker); !s.ok()) return s;
+      if (auto s = ReadElement(type, marker); !s.ok()) return s;
     }
     return absl::OkStatus();
   }
 
+  absl::Status ReadHeader2(ElementType& type, std::uint64_t& following, std::uint64_t& tag_count) {
+    const auto number = numbers_.Int("an element's type");
+    if (!number.ok()) return number.status();
+    const auto known = TypeOf(*number);
+    if (!known.ok()) return known.status();
+    type = *known, following = 1;
+    if (numbers_.is_binary()) {
+      const auto elements = numbers_.Count(MshNumber::kInt, "the number of elements of a type");
+      if (!elements.ok()) return elements.status();
+      following = *elements;
+      if (following == 0) return in_.Error("a header of no elements");
+    }
+    const auto tags = numbers_.Count(MshNumber::kInt, "the number of an element's tags");
+    if (!tags.ok()) return tags.status();
+    tag_count = *tags;
+    return absl::OkStatus();
+  }
+
   absl::Status ReadElements4() {
-    const auto blocks = in_.Count("the number of blocks");
+    const auto blocks = numbers_.Count(MshNumber::kSize, "the number of blocks");
     if (!blocks.ok()) return blocks.status();
-    if (auto s = in_.Skip(3, "the numbers of elements"); !s.ok()) return s;
+    if (auto s = numbers_.Skip(MshNumber::kSize, 3, "the numbers of elements"); !s.ok()) return s;
     for (std::uint64_t b = 0; b < *blocks; ++b) {
-      const auto dimension = in_.Uint64("an entity's dimension");
+      const auto dimension = numbers_.Unsigned(MshNumber::kInt, "an entity's dimension");
       if (!dimension.ok()) return dimension.status();
-      const auto tag = in_.Int64("an entity's number");
+      const auto tag = numbers_.Int("an entity's number");
       if (!tag.ok()) return tag.status();
-      const auto number = in_.Int64("the elements' type");
+      const auto number = numbers_.Int("the elements' type");
       if (!number.ok()) return number.status();
       const auto type = TypeOf(*number);
       if (!type.ok()) return type.status();
-      const auto count = in_.Count("the number of elements of a block");
+      const auto count = numbers_.Count(MshNumber::kSize, "the number of elements of a block");
       if (!count.ok()) return count.status();
       const auto group =
           group_of_.find({static_cast<int>(std::min<std::uint64_t>(*dimension, 4)), *tag});
       for (std::uint64_t i = 0; i < *count; ++i) {
-        if (auto s = in_.Skip(1, "an element's number"); !s.ok()) return s;
+        if (auto s = numbers_.Skip(MshNumber::kSize, 1, "an element's number"); !s.ok()) return s;
         if (auto s = ReadElement(*type, group == group_of_.end() ? 0 : group->second); !s.ok()) {
           return s;
         }
@@ -250,7 +289,8 @@ class MshReader {
     return absl::OkStatus();
   }
 
-  TokenStream in_;
+  MshStream numbers_;
+  TokenStream& in_ = numbers_.text();
   ElementBuilder builder_;
   bool is_4_ = false;
   std::map<std::pair<int, std::int64_t>, std::int64_t> group_of_;  // of entities

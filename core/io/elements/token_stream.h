@@ -37,23 +37,29 @@ class TokenStream {
   std::size_t text_size() const { return reader_.text_size(); }
   absl::Status Error(std::string_view message) const { return reader_.Error(message); }
 
+  // The next bytes behind the current line, whose values have all been read.
+  std::string_view Bytes(std::size_t count) { return reader_.Bytes(count); }
+  absl::Status EndsBefore(std::string_view what) const {
+    return Error(text::Concat("the file ends before ", what));
+  }
+
   absl::StatusOr<double> Double(std::string_view what) {
-    if (!Next()) return Ends(what);
+    if (!Next()) return EndsBefore(what);
     return reader_.Double(at_, what);
   }
   absl::StatusOr<std::uint64_t> Uint64(std::string_view what) {
-    if (!Next()) return Ends(what);
+    if (!Next()) return EndsBefore(what);
     return reader_.Uint64(at_, what);
   }
   absl::StatusOr<std::int64_t> Int64(std::string_view what) {
-    if (!Next()) return Ends(what);
+    if (!Next()) return EndsBefore(what);
     std::int64_t value = 0;
     if (ParseInt64(token(), &value)) return value;
     return Error(text::Concat(what, " is not a whole number: ", text::Quoted(token())));
   }
   absl::Status Skip(std::uint64_t count, std::string_view what) {
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (!Next()) return Ends(what);
+      if (!Next()) return EndsBefore(what);
     }
     return absl::OkStatus();
   }
@@ -65,10 +71,6 @@ class TokenStream {
   }
 
  private:
-  absl::Status Ends(std::string_view what) const {
-    return Error(text::Concat("the file ends before ", what));
-  }
-
   TextReader reader_;
   std::size_t at_ = ~std::size_t{0} - 1;
 };

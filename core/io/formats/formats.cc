@@ -104,7 +104,7 @@ absl::Status WriteAlone(const LeafList& list, const MeshOutput&, const std::stri
 
 absl::Status WriteMshMesh(const IndexedMesh& mesh, const MeshOutput& output,
                           const std::string& path) {
-  return WriteMsh(mesh, path, output.msh_version);
+  return WriteMsh(mesh, path, output.msh_version, output.binary);
 }
 
 absl::Status WriteVtuMesh(const IndexedMesh& mesh, const MeshOutput& output,

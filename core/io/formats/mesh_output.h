@@ -24,6 +24,7 @@ namespace dynmesh::io {
 struct MeshOutput {
   MeshFileOptions files;  // of a .node and the files beside it; the bounds, of all formats
   MshVersion msh_version = MshVersion::k41;
+  bool binary = false;  // of a .msh
   SvgOptions picture;
   const IndexedMesh* shown = nullptr;  // in a picture, if not the mesh: it is of order 1
 };

@@ -31,8 +31,10 @@ auto VertexKey(const IndexedMesh::Vertex& v) {
   return std::tuple(RankOf(v) == 0 ? v.owner : kNoFeature, v.x, v.y, v.z);
 }
 
-// The rows in that order. Most inputs have it already.
-std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows) {
+// The rows in that order, those in one place (of an opened part) by id. Most inputs have it
+// already.
+std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows,
+                                   const std::vector<VertexId>& ids) {
   std::vector<std::vector<std::uint32_t>> by_rank;
   for (std::uint32_t i = 0; i < rows.size(); ++i) {
     const auto rank = static_cast<std::size_t>(RankOf(rows[i]));
@@ -42,7 +44,8 @@ std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows)
   std::vector<std::uint32_t> order;
   order.reserve(rows.size());
   const auto before = [&](std::uint32_t i, std::uint32_t j) {
-    return VertexKey(rows[i]) < VertexKey(rows[j]);
+    const auto a = VertexKey(rows[i]), b = VertexKey(rows[j]);
+    return a < b || (a == b && ids[i] < ids[j]);
   };
   for (std::vector<std::uint32_t>& rank : by_rank) {
     if (!std::is_sorted(rank.begin(), rank.end(), before)) {
@@ -72,7 +75,7 @@ absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh
   NumberOf number_of;
   number_of.reserve(n);
   indexed.vertices.reserve(n);
-  for (const std::uint32_t row : OrderOf(rows)) {
+  for (const std::uint32_t row : OrderOf(rows, columns.ids)) {
     const auto number = static_cast<std::uint32_t>(indexed.vertices.size());
     if (!number_of.emplace(columns.ids[row], number).second) {
       return absl::InvalidArgumentError(

@@ -14,6 +14,7 @@
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/meshes/msh_groups.h"
+#include "core/io/meshes/msh_numbers.h"
 #include "core/io/meshes/references.h"
 
 namespace dynmesh::io {
@@ -78,9 +79,9 @@ class BoundingRange {
       lo_[k] = std::min(lo_[k], position[k]), hi_[k] = std::max(hi_[k], position[k]);
     }
   }
-  void Write(FileWriter& out) const {
-    for (const double c : lo_) out << c << ' ';
-    for (const double c : hi_) out << c << ' ';
+  void Write(MshNumbers& numbers) const {
+    for (const double c : lo_) numbers.Real(c);
+    for (const double c : hi_) numbers.Real(c);
   }
 
  private:
@@ -91,10 +92,11 @@ class BoundingRange {
 
 class MshFile {
  public:
-  MshFile(const IndexedMesh& mesh, const References& references, FileWriter& out)
+  MshFile(const IndexedMesh& mesh, const References& references, bool binary, FileWriter& out)
       : mesh_(mesh),
         references_(references),
         out_(out),
+        numbers_(out, binary),
         groups_(mesh, references),
         point_of_(mesh.vertices.size(), 0) {
     Classify();
@@ -102,7 +104,10 @@ class MshFile {
 
   void Write(MshVersion version) {
     const bool is_old = version == MshVersion::k22;
-    out_ << "$MeshFormat\n" << (is_old ? "2.2" : "4.1") << " 0 8\n$EndMeshFormat\n";
+    out_ << "$MeshFormat\n"
+         << (is_old ? "2.2" : "4.1") << (numbers_.binary() ? " 1 8\n" : " 0 8\n");
+    if (numbers_.binary()) numbers_.Int(1).EndSection();  // tells the order of bytes
+    out_ << "$EndMeshFormat\n";
     WritePhysicalNames();
     if (is_old) {
       WriteOldNodes();
@@ -229,28 +234,27 @@ class MshFile {
 
   // "1 GROUP", or "0" for none.
   void WriteGroup(int group) {
-    if (group == 0) {
-      out_ << '0';
-    } else {
-      out_ << "1 " << group;
-    }
+    numbers_.Size(group == 0 ? 0 : 1);
+    if (group != 0) numbers_.Int(group);
   }
 
   void WriteEntities() {
-    out_ << "$Entities\n" << points_.size();
+    out_ << "$Entities\n";
+    numbers_.Size(points_.size());
     for (int dimension = 1; dimension <= 3; ++dimension) {
-      out_ << ' ' << entities_[dimension].size();
+      numbers_.Size(entities_[dimension].size());
     }
-    out_ << '\n';
+    numbers_.EndLine();
     for (const PointEntity& p : points_) {
       const IndexedMesh::Vertex& v = mesh_.vertices[p.vertex];
-      out_ << p.tag << ' ' << v.x << ' ' << v.y << ' ' << v.z << ' ';
+      numbers_.Int(p.tag).Real(v.x).Real(v.y).Real(v.z);
       WriteGroup(groups_.Of(p.physical));
-      out_ << '\n';
+      numbers_.EndLine();
     }
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) WriteEntity(dimension, tag, entity);
     }
+    numbers_.EndSection();
     out_ << "$EndEntities\n";
   }
 
@@ -266,17 +270,16 @@ class MshFile {
       for (const std::uint32_t v : CornersOf(dimension, i)) range.Add(mesh_.vertices[v]);
     }
     if (dimension != 1) add_inner();
-    out_ << tag << ' ';
-    range.Write(out_);
+    numbers_.Int(tag);
+    range.Write(numbers_);
     WriteGroup(GroupOf(dimension, tag));
-    out_ << ' ';
     if (dimension == 1) {
       WriteEnds(entity);
     } else {
-      out_ << entity.border.size();
-      for (const int below : entity.border) out_ << ' ' << below;
+      numbers_.Size(entity.border.size());
+      for (const int below : entity.border) numbers_.Int(below);
     }
-    out_ << '\n';
+    numbers_.EndLine();
   }
 
   // A chain has a first and a last point; a closed border has none.
@@ -289,9 +292,9 @@ class MshFile {
     }
     std::erase_if(uses, [](const auto& use) { return use.second % 2 == 0; });
     if (uses.size() == 2) {
-      out_ << "2 " << uses.begin()->first << ' ' << -uses.rbegin()->first;
+      numbers_.Size(2).Int(uses.begin()->first).Int(-uses.rbegin()->first);
     } else {
-      out_ << '0';
+      numbers_.Size(0);
     }
   }
 
@@ -301,23 +304,25 @@ class MshFile {
       for (const auto& [tag, entity] : entities) blocks += entity.inner.empty() ? 0 : 1;
     }
     const std::size_t n = mesh_.vertices.size();
-    out_ << "$Nodes\n" << blocks << ' ' << n << ' ' << (n == 0 ? 0 : 1) << ' ' << n << '\n';
+    out_ << "$Nodes\n";
+    numbers_.Size(blocks).Size(n).Size(n == 0 ? 0 : 1).Size(n).EndLine();
     for (const PointEntity& p : points_) WriteNodeBlock(0, p.tag, {p.vertex});
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
         WriteNodeBlock(dimension, tag, entity.inner);
       }
     }
+    numbers_.EndSection();
     out_ << "$EndNodes\n";
   }
 
   void WriteNodeBlock(int dimension, int tag, const std::vector<std::uint32_t>& vertices) {
     if (vertices.empty()) return;
-    out_ << dimension << ' ' << tag << " 0 " << vertices.size() << '\n';
-    for (const std::uint32_t i : vertices) out_ << std::uint64_t{i} + 1 << '\n';
+    numbers_.Int(dimension).Int(tag).Int(0).Size(vertices.size()).EndLine();
+    for (const std::uint32_t i : vertices) numbers_.Size(std::uint64_t{i} + 1).EndLine();
     for (const std::uint32_t i : vertices) {
       const IndexedMesh::Vertex& v = mesh_.vertices[i];
-      out_ << v.x << ' ' << v.y << ' ' << v.z << '\n';
+      numbers_.Real(v.x).Real(v.y).Real(v.z).EndLine();
     }
   }
 
@@ -349,21 +354,22 @@ class MshFile {
 
   void WriteElements() {
     const auto [blocks, count] = CountElements();
-    out_ << "$Elements\n"
-         << blocks << ' ' << count << ' ' << (count == 0 ? 0 : 1) << ' ' << count << '\n';
+    out_ << "$Elements\n";
+    numbers_.Size(blocks).Size(count).Size(count == 0 ? 0 : 1).Size(count).EndLine();
     for (const PointEntity& p : points_) {
       if (!IsSaved(0, p.physical)) continue;
-      out_ << "0 " << p.tag << ' ' << kPointElement << " 1\n";
+      numbers_.Int(0).Int(p.tag).Int(kPointElement).Size(1).EndLine();
       WriteElement(Corners(std::array{p.vertex}));
     }
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
         if (entity.elements.empty() || !IsSaved(dimension, tag)) continue;
-        out_ << dimension << ' ' << tag << ' ' << kElementOf[mesh_.order() - 1][dimension] << ' '
-             << entity.elements.size() << '\n';
+        numbers_.Int(dimension).Int(tag).Int(kElementOf[mesh_.order() - 1][dimension]);
+        numbers_.Size(entity.elements.size()).EndLine();
         for (const std::uint32_t i : entity.elements) WriteElement(CornersOf(dimension, i));
       }
     }
+    numbers_.EndSection();
     out_ << "$EndElements\n";
   }
 
@@ -373,56 +379,70 @@ class MshFile {
     out_ << "$Nodes\n" << mesh_.vertices.size() << '\n';
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
       const IndexedMesh::Vertex& v = mesh_.vertices[i];
-      out_ << std::uint64_t{i} + 1 << ' ' << v.x << ' ' << v.y << ' ' << v.z << '\n';
+      numbers_.Int(OldTag(std::uint64_t{i} + 1)).Real(v.x).Real(v.y).Real(v.z).EndLine();
     }
+    numbers_.EndSection();
     out_ << "$EndNodes\n";
   }
 
   void WriteOldElements() {
     const auto [blocks, count] = CountElements();
     out_ << "$Elements\n" << count << '\n';
+    // As bytes, elements of one type and their number of tags stand behind each other.
+    const auto begin = [&](int type, std::size_t of_type) {
+      if (numbers_.binary()) numbers_.Int(type).Int(OldTag(of_type)).Int(2);
+    };
     const auto write = [&](int type, int group, int entity, const Corners& corners) {
-      out_ << ++element_ << ' ' << type << " 2 " << group << ' ' << entity;
-      WriteCorners(corners);
+      numbers_.Int(OldTag(++element_));
+      if (!numbers_.binary()) numbers_.Int(type).Int(2);
+      numbers_.Int(group).Int(entity);
+      WriteNodesOf(corners, [&](std::uint64_t node) { numbers_.Int(OldTag(node)); });
     };
     for (const PointEntity& p : points_) {
       if (!IsSaved(0, p.physical)) continue;
+      begin(kPointElement, 1);
       write(kPointElement, groups_.Of(p.physical), p.tag, Corners(std::array{p.vertex}));
     }
     for (int dimension = 1; dimension <= top_; ++dimension) {
       for (const auto& [tag, entity] : entities_[dimension]) {
-        if (!IsSaved(dimension, tag)) continue;
+        if (entity.elements.empty() || !IsSaved(dimension, tag)) continue;
+        const int type = kElementOf[mesh_.order() - 1][dimension];
+        begin(type, entity.elements.size());
         for (const std::uint32_t i : entity.elements) {
-          write(kElementOf[mesh_.order() - 1][dimension], GroupOf(dimension, tag), tag,
-                CornersOf(dimension, i));
+          write(type, GroupOf(dimension, tag), tag, CornersOf(dimension, i));
         }
       }
     }
+    numbers_.EndSection();
     out_ << "$EndElements\n";
   }
 
   // ----
 
   void WriteElement(const Corners& corners) {
-    out_ << ++element_;
-    WriteCorners(corners);
+    numbers_.Size(++element_);
+    WriteNodesOf(corners, [&](std::uint64_t node) { numbers_.Size(node); });
   }
 
-  // And the nodes in the middles.
-  void WriteCorners(const Corners& corners) {
-    for (const std::uint32_t corner : corners) out_ << ' ' << std::uint64_t{corner} + 1;
+  // Corners, then the nodes in the middles; and ends the line.
+  template <class Write>
+  void WriteNodesOf(const Corners& corners, const Write& write) {
+    for (const std::uint32_t corner : corners) write(std::uint64_t{corner} + 1);
     if (mesh_.order() == 2) {
       for (const auto& [j, k] : kMidpointsOf[corners.size()]) {
-        const std::uint32_t middle = mesh_.MidpointOf(corners.begin()[j], corners.begin()[k]);
-        out_ << ' ' << std::uint64_t{middle} + 1;
+        write(std::uint64_t{mesh_.MidpointOf(corners.begin()[j], corners.begin()[k])} + 1);
       }
     }
-    out_ << '\n';
+    numbers_.EndLine();
   }
+
+  // Tags of version 2.2 are ints: WriteMsh has checked that these do.
+  static std::int32_t OldTag(std::uint64_t tag) { return static_cast<std::int32_t>(tag); }
 
   const IndexedMesh& mesh_;
   const References& references_;
   FileWriter& out_;
+  MshNumbers numbers_;
   const MshGroups groups_;
   const int top_ = mesh_.dimension;
   std::vector<PointEntity> points_;  // by tag
@@ -435,11 +455,19 @@ class MshFile {
 
 }  // namespace
 
-absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path, MshVersion version) {
+absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path, MshVersion version,
+                      bool binary) {
+  constexpr std::size_t kMostOldRows = std::numeric_limits<std::int32_t>::max();
+  if (version == MshVersion::k22 &&
+      mesh.vertices.size() + mesh.edges.size() + mesh.faces.size() + mesh.simplex_count() >
+          kMostOldRows) {
+    return absl::InvalidArgumentError(
+        Concat(path, ": version 2.2 of a .msh has at most ", kMostOldRows, " elements; take 4.1"));
+  }
   const absl::StatusOr<References> references = References::Of(mesh);
   if (!references.ok()) return references.status();
   FileWriter out(path);
-  MshFile(mesh, *references, out).Write(version);
+  MshFile(mesh, *references, binary, out).Write(version);
   return out.Close();
 }
 

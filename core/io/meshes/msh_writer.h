@@ -1,5 +1,5 @@
-// Meshes as Gmsh's `.msh` (ASCII): 4.1, for Gmsh, DOLFINx, deal.II, Elmer and meshio, and 2.2, for
-// programs that read no other.
+// Meshes as Gmsh's `.msh`, ASCII or binary: 4.1, for Gmsh, DOLFINx, deal.II, Elmer and meshio, and
+// 2.2, for programs that read no other.
 #ifndef DYNMESH_CORE_IO_MESHES_MSH_WRITER_H_
 #define DYNMESH_CORE_IO_MESHES_MSH_WRITER_H_
 
@@ -34,10 +34,10 @@ namespace dynmesh::io {
 // A mesh with midpoints (order 2) has elements of order 2.
 //
 // In version 2.2 nodes are in the order of rows, and entities are but numbers: each element has its
-// group and its entity.
+// group and its entity; tags are ints, also where they are text.
 enum class MshVersion { k41, k22 };
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path,
-                      MshVersion version = MshVersion::k41);
+                      MshVersion version = MshVersion::k41, bool binary = false);
 // 4.1 or 2.2. INVALID_ARGUMENT for another; `name` is what the caller calls it.
 absl::StatusOr<MshVersion> MshVersionOf(double version, std::string_view name);
 

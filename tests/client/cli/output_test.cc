@@ -48,6 +48,40 @@ TEST_F(Outputs, CompanionsAreWrittenOnRequest) {
   EXPECT_EQ(Run("mesh p.poly -o m.msh -o m.vtu -o m.node -o m.svg --order 2").code, 0);
 }
 
+TEST_F(Outputs, BytesOfAMshAreTheSameMesh) {
+  ASSERT_EQ(Run("mesh p.poly -q 30 -a 0.01 -o a.msh").code, 0);
+  for (const std::string version : {"4.1", "2.2"}) {
+    ASSERT_EQ(Run("mesh p.poly -q 30 -a 0.01 -o b.msh --binary --msh-version " + version).code, 0);
+    EXPECT_EQ(folder_.Read("b.msh").substr(12, 5), version + " 1");
+    EXPECT_EQ(Run("diff a.msh b.msh").code, 0);
+  }
+}
+
+TEST_F(Outputs, AreOpenedAlongCracks) {
+  folder_.Write(
+      "c.dynmesh",
+      "mesh dim=2 box=0,0,2,1 hmax=0.2\nadd point 1 0 0\nadd point 2 2 0\nadd point 3 2 1\n"
+      "add point 4 0 1\nadd point 5 0.5 0.5\nadd point 6 1 0.5\nadd point 7 1.5 0.6\n"
+      "add polygon 10 1 2 3 4\nadd segment 20 5 6\nadd segment 21 6 7\ncommit\n");
+  ASSERT_EQ(Run("mesh c.dynmesh --region 10 -o closed.node").code, 0);
+  const std::string crack = " c.dynmesh --region 10 --open 20,21 -o ";
+  ASSERT_EQ(Run("mesh" + crack + "open.node").code, 0);
+  ASSERT_EQ(Run("replay" + crack + "again.node").code, 0);
+  const auto rows = [&](const std::string& name) { return std::stoi(folder_.Read(name)); };
+  EXPECT_EQ(rows("open.ele"), rows("closed.ele"));
+  // As many vertices more as are between the tips, and a second row of edges.
+  const int more = rows("open.node") - rows("closed.node");
+  EXPECT_GT(more, 2);
+  EXPECT_EQ(rows("open.edge"), rows("closed.edge") + more + 1);
+  EXPECT_EQ(rows("again.node"), rows("open.node"));
+  for (const std::string wrong : {"--open 20", "--region 10 --open 22", "--region 10 --open x",
+                                  "--region 10 --inside --open 20"}) {
+    const Outcome refused = Run("mesh c.dynmesh -o x.node " + wrong);
+    EXPECT_EQ(refused.code, 2) << wrong;
+    EXPECT_NE(refused.err.find("--open"), std::string::npos) << refused.err;
+  }
+}
+
 TEST_F(Outputs, OfEachFormatOfMeshesAreCompared) {
   ASSERT_EQ(Run("mesh p.poly -o a.node -o a.vtu -o a.msh -o a.mesh").code, 0);
   ASSERT_EQ(Run("mesh p.poly -q 30 -a 0.01 -o b.node -o b.vtu -o b.msh -o b.mesh").code, 0);

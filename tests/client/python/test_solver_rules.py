@@ -44,6 +44,29 @@ def test_means_over_median_dual_cells_are_carried_as_p1(make_mesh, random, bound
             assert 0 <= inside.min() and inside.max() <= 1
 
 
+def test_means_over_median_dual_cells_are_carried_as_dual_within_their_range(make_mesh, random):
+    """On a part, its border and a crack in it end the cells: nothing goes through."""
+    mesh = plate(make_mesh)
+    mesh.apply(add_points={11: (1.2, 0.5), 12: (1.8, 0.5)}, add_segments={9: (11, 12)})
+    part = mesh.part(polygons=7, open=9)
+    u = np.where(part.points[:, 0] + part.points[:, 1] < 1.9, 1.0, 0.0)
+    one, whole = np.full(len(u), 0.1), dye(mesh.points)
+    for step in range(20):
+        before, all_before = (dual_volumes(part) * u).sum(), mass(mesh, whole, "P1")[0]
+        diff = mesh.apply(add_points={100 + step: inner_point(random)})
+        former = {int(slot): u[part.origin == number]
+                  for number, slot in enumerate(part.vertex_slots) if part.origin[number] == number}
+        whole = diff.transfer(whole, kind="dual")
+        u, one = part.transfer(diff, u, "dual"), part.transfer(diff, one, "dual")
+        assert (dual_volumes(part) * u).sum() == pytest.approx(before, abs=1e-14)
+        assert mass(mesh, whole, "P1")[0] == pytest.approx(all_before, abs=1e-14)
+        assert 0 <= u.min() and u.max() <= 1 and (one == 0.1).all()
+        changed = set(diff.patch.vertices.tolist())  # local: others stay to the bit
+        for number, slot in enumerate(part.vertex_slots.tolist()):
+            if slot not in changed and part.origin[number] == number:
+                assert u[number] in former[slot]
+
+
 def test_a_jump_between_regions_stays_as_dg1(make_mesh, random):
     mesh = plate(make_mesh)
     u = np.where(mesh.regions == 7, 2.0, 1.0)[:, None] * np.ones(3)

@@ -388,6 +388,66 @@ std::set<FeatureId> OpenOf(const SlotMesh& mesh, const PartChoice& choice) {
 
 class PartSeamsTest : public testing::TestWithParam<int> {};
 
+using Place = std::array<double, 3>;
+
+// The part as a mesh has its vertices and cells, and of features the facets of each side.
+void ExpectToMeshHolds(const MeshPart& part, const SlotMesh& mesh) {
+  const absl::StatusOr<Mesh> own = part.ToMesh(mesh);
+  ASSERT_TRUE(own.ok()) << own.status();
+  ASSERT_EQ(own->vertices.size(), part.vertex_slots().size());
+  EXPECT_EQ(own->hash, ComputeHash(*own));
+  const auto d = At(part.dimension());
+  const auto place_at = [d](const double* coordinates) {
+    Place place{};
+    std::copy_n(coordinates, d, place.begin());
+    return place;
+  };
+  std::map<VertexId, Place> place_of;
+  for (std::size_t v = 0; v < own->vertices.size(); ++v) {
+    place_of[own->vertices.ids[v]] = place_at(&own->vertices.coordinates[v * d]);
+  }
+  ASSERT_EQ(place_of.size(), own->vertices.size()) << "an id stands twice";
+  // Rows by the places of their corners, in 2D and 3D in any order of these; and an owner.
+  using Rows = std::multiset<std::pair<std::multiset<Place>, std::uint64_t>>;
+  Rows cells, own_cells, facets, own_facets;
+  for (std::size_t cell = 0; cell < part.cell_slots().size(); ++cell) {
+    std::multiset<Place> row, own_row;
+    for (std::size_t k = 0; k <= d; ++k) {
+      row.insert(place_at(&part.points().data()[At(part.cells()[cell * (d + 1) + k]) * d]));
+      own_row.insert(place_of.at(own->simplices.at(cell * (d + 1) + k)));
+    }
+    cells.insert({row, part.cell_regions()[cell]}), own_cells.insert({own_row, own->region(cell)});
+  }
+  EXPECT_TRUE(cells == own_cells);
+  std::set<std::set<std::int32_t>> seen;  // of two sides with the same corners there is one
+  for (std::size_t facet = 0; facet < part.facet_owners().size(); ++facet) {
+    if (part.facet_owners()[facet] == kNoFeature) continue;
+    const std::int32_t* const corners = &part.facets().data()[facet * d];
+    if (!seen.insert({corners, corners + d}).second) continue;
+    std::multiset<Place> row;
+    for (std::size_t k = 0; k < d; ++k) {
+      row.insert(place_at(&part.points().data()[At(corners[k]) * d]));
+    }
+    facets.insert({row, part.facet_owners()[facet]});
+  }
+  const std::vector<VertexId>& ids = d == 2 ? own->subsegments.ends : own->subfacets.corners;
+  const auto& owners = d == 2 ? own->subsegments.owners : own->subfacets.owners;
+  std::set<std::set<VertexId>> sides;  // of cells
+  for (std::size_t i = 0; i < own->simplices.size(); ++i) {
+    const std::size_t first = i / (d + 1) * (d + 1);
+    std::set<VertexId> side(&own->simplices[first], &own->simplices[first] + d + 1);
+    side.erase(own->simplices[i]);
+    sides.insert(side);
+  }
+  for (std::size_t facet = 0; facet < owners.size(); ++facet) {
+    std::multiset<Place> row;
+    for (std::size_t k = 0; k < d; ++k) row.insert(place_of.at(ids[facet * d + k]));
+    own_facets.insert({row, owners[facet]});
+    EXPECT_TRUE(sides.contains({&ids[facet * d], &ids[facet * d] + d}));
+  }
+  EXPECT_TRUE(facets == own_facets) << facets.size() << " and " << own_facets.size();
+}
+
 TEST_P(PartSeamsTest, CopiesAreThoseOfTheSectorsAfterEachEdit) {
   const int dimension = GetParam();
   const std::uint64_t seed = test::NewSeed();
@@ -436,6 +496,10 @@ TEST_P(PartSeamsTest, CopiesAreThoseOfTheSectorsAfterEachEdit) {
       ASSERT_TRUE(content.facets == expected.facets) << "part " << p << " at step " << i;
       ASSERT_TRUE(content.twins == expected.twins) << "part " << p << " at step " << i;
       ASSERT_TRUE(ContentOf(MeshPart(mesh, choices[p])) == expected) << "part " << p;
+      if (i % 10 == 0) {
+        ExpectToMeshHolds(parts[p], mesh);  // and is the same, whatever led there
+        EXPECT_EQ(parts[p].ToMesh(mesh)->hash, MeshPart(mesh, choices[p]).ToMesh(mesh)->hash);
+      }
       most_twins = std::max(most_twins, content.twins.size());
       std::map<Slot, std::size_t> count;
       for (const Copy& copy : content.copies) {
@@ -483,7 +547,7 @@ TEST(PartSeams, TipsAreClosedAndBranchesAndMouthsAreOpen) {
   EXPECT_EQ(CopiesAt(part, {0.5, 0.5}), 3U);    // a branch
   EXPECT_EQ(CopiesAt(part, {1, 0.5}), 2U);      // a mouth
   EXPECT_EQ(CopiesAt(part, {0, 1}), 1U);
-  EXPECT_FALSE(part.ToMesh(mesh).ok());
+  ExpectToMeshHolds(part, mesh);
   const MeshPart closed(mesh, {.polygons = {7}});
   EXPECT_EQ(CopiesIn(closed), 0U);
   EXPECT_EQ(part.vertex_slots().size() - CopiesIn(part), closed.vertex_slots().size());
@@ -609,6 +673,7 @@ void CheckSquareInBox(bool reaches_wall) {
   }
   EXPECT_GT(front, 8U);
   EXPECT_GT(CopiesIn(part), 8U);
+  ExpectToMeshHolds(part, mesh);
   const std::vector<std::int8_t> facet_sides = *part.FacetSides(mesh, features);
   std::size_t doubled = 0;
   for (std::size_t row = 0; row < facet_sides.size(); ++row) {

@@ -42,21 +42,28 @@ inline bool IsLive(const SlotMesh& mesh, std::size_t cell) {
   return mesh.cells()[cell * static_cast<std::size_t>(mesh.dimension() + 1)] != kNoSlot;
 }
 
+// Is there a value at each vertex, or at each corner of a simplex?
+inline bool IsAtVertices(FieldKind kind) {
+  return kind == FieldKind::kP1 || kind == FieldKind::kDual;
+}
+inline bool IsAtCorners(FieldKind kind) {
+  return kind == FieldKind::kDG1 || kind == FieldKind::kDualCorners;
+}
+
 inline std::size_t RowCount(const SlotMesh& mesh, FieldKind kind) {
-  if (kind == FieldKind::kP1) return mesh.ids().size();
+  if (IsAtVertices(kind)) return mesh.ids().size();
   const std::size_t cells = mesh.regions().size();
-  return kind == FieldKind::kDG1 ? cells * static_cast<std::size_t>(mesh.dimension() + 1) : cells;
+  return IsAtCorners(kind) ? cells * static_cast<std::size_t>(mesh.dimension() + 1) : cells;
 }
 
 // The mean of a field over a cell.
 inline double MeanOf(const SlotMesh& mesh, FieldKind kind, const std::vector<double>& u,
                      std::size_t cell) {
   const auto corners = static_cast<std::size_t>(mesh.dimension() + 1);
-  if (kind != FieldKind::kP1 && kind != FieldKind::kDG1) return u[cell];
+  if (!IsAtVertices(kind) && !IsAtCorners(kind)) return u[cell];
   double sum = 0;
   for (std::size_t k = 0; k < corners; ++k) {
-    sum += kind == FieldKind::kDG1 ? u[cell * corners + k]
-                                   : u[Index(mesh.cells()[cell * corners + k])];
+    sum += IsAtCorners(kind) ? u[cell * corners + k] : u[Index(mesh.cells()[cell * corners + k])];
   }
   return sum / static_cast<double>(corners);
 }
@@ -80,7 +87,7 @@ inline Mass MassOf(const SlotMesh& mesh, FieldKind kind, const std::vector<doubl
 inline std::vector<double> Sample(const SlotMesh& mesh, FieldKind kind, const FieldFunction& f) {
   const auto d = static_cast<std::size_t>(mesh.dimension());
   std::vector<double> u(RowCount(mesh, kind), 0);
-  if (kind == FieldKind::kP1) {
+  if (IsAtVertices(kind)) {
     for (std::size_t v = 0; v < u.size(); ++v) u[v] = f(&mesh.points()[v * d]);
     return u;
   }
@@ -89,10 +96,10 @@ inline std::vector<double> Sample(const SlotMesh& mesh, FieldKind kind, const Fi
     std::vector<double> centroid(d, 0);
     for (std::size_t k = 0; k <= d; ++k) {
       const double* place = &mesh.points()[Index(mesh.cells()[c * (d + 1) + k]) * d];
-      if (kind == FieldKind::kDG1) u[c * (d + 1) + k] = f(place);
+      if (IsAtCorners(kind)) u[c * (d + 1) + k] = f(place);
       for (std::size_t x = 0; x < d; ++x) centroid[x] += place[x] / static_cast<double>(d + 1);
     }
-    if (kind != FieldKind::kDG1) u[c] = f(centroid.data());
+    if (!IsAtCorners(kind)) u[c] = f(centroid.data());
   }
   return u;
 }
@@ -104,9 +111,8 @@ inline double GreatestError(const SlotMesh& mesh, FieldKind kind, const std::vec
   const auto d = static_cast<std::size_t>(mesh.dimension());
   double worst = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const bool is_live = kind == FieldKind::kP1
-                             ? mesh.ids()[i] != 0
-                             : IsLive(mesh, kind == FieldKind::kDG1 ? i / (d + 1) : i);
+    const bool is_live =
+        IsAtVertices(kind) ? mesh.ids()[i] != 0 : IsLive(mesh, IsAtCorners(kind) ? i / (d + 1) : i);
     if (is_live) worst = std::max(worst, std::abs(u[i] - want[i]));
   }
   return worst;

@@ -90,13 +90,13 @@ TEST_P(RegionsOf, KeepTheirMassWhereTheirShapeStays) {
   const int dimension = GetParam();
   std::mt19937_64 random(geometry::testing::NewSeed());
   std::uniform_real_distribution<double> draw(0.1, 0.9);
-  for (const FieldKind kind :
-       {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kP1}) {
+  for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1,
+                               FieldKind::kDualCorners, FieldKind::kP1}) {
     Scene scene(dimension);
     std::vector<double> u = Sample(scene.slots, kind, ShortWave),
                         by_region(RowCount(scene.slots, kind));
     const auto width = static_cast<std::size_t>(dimension + 1);
-    const auto cell_of = [&](std::size_t i) { return kind == FieldKind::kDG1 ? i / width : i; };
+    const auto cell_of = [&](std::size_t i) { return testing::IsAtCorners(kind) ? i / width : i; };
     const auto value_in = [](RegionId region) { return 0.1 + 1e6 * static_cast<double>(region); };
     if (kind != FieldKind::kP1) {
       for (std::size_t i = 0; i < by_region.size(); ++i) {
@@ -200,21 +200,46 @@ TEST_P(RegionsOf, KeepTheirMassWithinBoundsWhereTheseHaveRoom) {
   }
 }
 
+// Edits that change the shapes of regions, in this order.
+std::vector<EditBatch> ChangesOfShape(int dimension) {
+  if (dimension == 2) {
+    return {{Edit::Move(3, 0.55, 0.75)},
+            {Edit::Move(5, 0.85, 0.55)},
+            {Edit::Remove(11)},
+            {Edit::Remove(10)}};
+  }
+  return {{Edit::Move(5, 0.3, 0.3, 0.75), Edit::Move(6, 0.7, 0.3, 0.75),
+           Edit::Move(7, 0.7, 0.7, 0.75), Edit::Move(8, 0.3, 0.7, 0.75)},
+          {Edit::Remove(13)}};
+}
+
+double Linear(const double* x) { return 2 - 3 * x[0] + 5 * x[1]; }
+
+TEST_P(RegionsOf, ThatChangeTheirShapeKeepLinearFields) {
+  for (const FieldKind kind : {FieldKind::kDG1, FieldKind::kP1}) {
+    for (const bool bounded : {false, true}) {
+      Scene scene(GetParam());
+      std::vector<double> u = Sample(scene.slots, kind, Linear);
+      for (const EditBatch& batch : ChangesOfShape(GetParam())) {
+        ASSERT_TRUE(scene.Edit(batch));
+        u.resize(RowCount(scene.slots, kind));
+        auto transfer = Transfer::Make(scene.slots);
+        ASSERT_TRUE(transfer.ok());
+        ASSERT_TRUE(transfer->Carry({.kind = kind, .bounded = bounded}, u).ok());
+        ASSERT_LT(testing::GreatestError(scene.slots, kind, u, Linear), 1e-11)
+            << "kind " << static_cast<int>(kind) << ", revision " << scene.slots.revision();
+      }
+    }
+  }
+}
+
 TEST_P(RegionsOf, ThatChangeTheirShapeTellWhatChangesSides) {
   const int dimension = GetParam();
-  for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1}) {
+  for (const FieldKind kind :
+       {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kDualCorners}) {
     Scene scene(dimension);
     std::vector<double> u = Sample(scene.slots, kind, ShortWave);
-    const std::vector<EditBatch> edits =
-        dimension == 2
-            ? std::vector<EditBatch>{{Edit::Move(3, 0.55, 0.75)},
-                                     {Edit::Move(5, 0.85, 0.55)},
-                                     {Edit::Remove(11)},
-                                     {Edit::Remove(10)}}
-            : std::vector<EditBatch>{{Edit::Move(5, 0.3, 0.3, 0.75), Edit::Move(6, 0.7, 0.3, 0.75),
-                                      Edit::Move(7, 0.7, 0.7, 0.75), Edit::Move(8, 0.3, 0.7, 0.75)},
-                                     {Edit::Remove(13)}};
-    for (const EditBatch& batch : edits) {
+    for (const EditBatch& batch : ChangesOfShape(dimension)) {
       const Masses before = MassesOf(scene.slots, kind, u);
       const Mass all_before = MassOf(scene.slots, kind, u);
       ASSERT_TRUE(scene.Edit(batch));

@@ -101,6 +101,8 @@ const std::vector<Kind>& Kinds() {
       {"P1TwoRings", {.kind = FieldKind::kP1, .rings = 2}},
       {"P1Bounded", {.kind = FieldKind::kP1, .bounded = true}},
       {"DG1", {.kind = FieldKind::kDG1}},
+      {"Dual", {.kind = FieldKind::kDual, .rings = 0, .bounded = true}},
+      {"DualCorners", {.kind = FieldKind::kDualCorners, .bounded = true}},
       {"DG1Bounded", {.kind = FieldKind::kDG1, .bounded = true}},
   };
   return kinds;
@@ -198,7 +200,7 @@ std::map<std::vector<VertexId>, double> ById(const SlotMesh& mesh, FieldKind kin
                                              const std::vector<double>& u) {
   std::map<std::vector<VertexId>, double> values;
   const auto width = static_cast<std::size_t>(mesh.dimension() + 1);
-  if (kind == FieldKind::kP1) {
+  if (testing::IsAtVertices(kind)) {
     for (std::size_t v = 0; v < mesh.ids().size(); ++v) {
       if (mesh.ids()[v] != 0) values[{mesh.ids()[v]}] = u[v];
     }
@@ -210,7 +212,7 @@ std::map<std::vector<VertexId>, double> ById(const SlotMesh& mesh, FieldKind kin
     for (std::size_t k = 0; k < width; ++k) {
       key.push_back(mesh.ids()[Index(mesh.cells()[c * width + k])]);
     }
-    if (kind != FieldKind::kDG1) {
+    if (!testing::IsAtCorners(kind)) {
       values[key] = u[c];
       continue;
     }
@@ -314,12 +316,12 @@ TEST_P(TransferOf, ChangesNothingBeyondItsRings) {
       for (std::size_t i = 0; i < before[f].values.size(); ++i) {
         const bool same = std::bit_cast<std::uint64_t>(before[f].values[i]) ==
                           std::bit_cast<std::uint64_t>(lab.fields()[f].values[i]);
-        if (options.kind == FieldKind::kP1) {
+        if (testing::IsAtVertices(options.kind)) {
           if (!same && ring[i] > 0) ++changed_in_rings;
           ASSERT_TRUE(same || ring[i] <= options.rings) << Kinds()[f].name << " ring " << ring[i];
           continue;
         }
-        const std::size_t cell = options.kind == FieldKind::kDG1 ? i / width : i;
+        const std::size_t cell = testing::IsAtCorners(options.kind) ? i / width : i;
         ASSERT_TRUE(same || touched.contains(static_cast<Slot>(cell))) << Kinds()[f].name;
       }
     }

@@ -1,7 +1,11 @@
 // Readers of .msh, .mesh, .vtu and the files of Triangle and TetGen.
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -75,6 +79,91 @@ TEST(ElementFiles, OfAllKindsSayTheSame) {
   }
 }
 
+// The bytes of numbers; `swapped`: those of a machine with the other order.
+class Bytes {
+ public:
+  explicit Bytes(bool swapped) : swapped_(swapped) {}
+  Bytes& operator<<(std::string_view text) { return text_ += text, *this; }
+  template <class T>
+  Bytes& Add(std::initializer_list<T> numbers) {
+    for (const T number : numbers) {
+      char bytes[sizeof(T)];
+      std::memcpy(bytes, &number, sizeof(T));
+      if (swapped_) std::reverse(bytes, bytes + sizeof(T));
+      text_.append(bytes, sizeof(T));
+    }
+    return *this;
+  }
+  Bytes& Ints(std::initializer_list<std::int32_t> numbers) { return Add(numbers); }
+  Bytes& Sizes(std::initializer_list<std::uint64_t> numbers) { return Add(numbers); }
+  Bytes& Reals(std::initializer_list<double> numbers) { return Add(numbers); }
+  const std::string& text() const { return text_; }
+
+ private:
+  const bool swapped_;
+  std::string text_;
+};
+
+constexpr char kMshNames[] =
+    "\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"Inlet of gas\"\n2 2 \"Body\"\n"
+    "$EndPhysicalNames\n";
+
+// kMsh2 and kMsh4 as bytes.
+std::string BinaryMsh2(bool swapped) {
+  Bytes out(swapped);
+  (out << "$MeshFormat\n2.2 1 8\n").Ints({1}) << kMshNames << "$Nodes\n4\n";
+  out.Ints({10}).Reals({0, 0, 0}).Ints({20}).Reals({1, 0, 0});
+  out.Ints({30}).Reals({1, 1, 0}).Ints({40}).Reals({0, 1, 0}) << "\n$EndNodes\n$Elements\n3\n";
+  out.Ints({1, 1, 2, 1, 7, 1, 10, 20});
+  out.Ints({2, 2, 2, 2, 1, 1, 10, 20, 30, 3, 2, 2, 10, 30, 40}) << "\n$EndElements\n";
+  return out.text();
+}
+std::string BinaryMsh4(bool swapped) {
+  Bytes out(swapped);
+  (out << "$MeshFormat\n4.1 1 8\n").Ints({1}) << kMshNames << "$Entities\n";
+  out.Sizes({0, 1, 2, 0}).Ints({5}).Reals({0, 0, 0, 1, 0, 0}).Sizes({1}).Ints({-7}).Sizes({0});
+  out.Ints({1}).Reals({0, 0, 0, 1, 1, 0}).Sizes({1}).Ints({1}).Sizes({1}).Ints({5});
+  out.Ints({2}).Reals({0, 0, 0, 1, 1, 0}).Sizes({2}).Ints({2, 9}).Sizes({0});
+  out << "\n$EndEntities\n$Unknown\n";
+  out.Sizes({0x2323232323, 12}) << "\n$EndUnknown\n$Nodes\n";
+  out.Sizes({2, 4, 10, 40}).Ints({1, 5, 1}).Sizes({2, 10, 20});
+  out.Reals({0, 0, 0, 0, 1, 0, 0, 1}).Ints({2, 1, 0}).Sizes({2, 30, 40});
+  out.Reals({1, 1, 0, 0, 1, 0}) << "\n$EndNodes\n$Elements\n";
+  out.Sizes({3, 3, 1, 3}).Ints({1, 5, 1}).Sizes({1, 1, 10, 20});
+  out.Ints({2, 1, 2}).Sizes({1, 2, 10, 20, 30}).Ints({2, 2, 2}).Sizes({1, 3, 10, 30, 40});
+  out << "\n$EndElements\n";
+  return out.text();
+}
+
+TEST(ElementFiles, OfBytesSayWhatTextDoes) {
+  const ElementMesh text = Parse("msh", kMsh2).value();
+  for (const bool swapped : {false, true}) {
+    for (const std::string& file : {BinaryMsh2(swapped), BinaryMsh4(swapped)}) {
+      const auto mesh = Parse("msh", file);
+      ASSERT_TRUE(mesh.ok()) << mesh.status();
+      EXPECT_EQ(mesh->positions, text.positions);
+      EXPECT_EQ(mesh->names, text.names);
+      ASSERT_EQ(mesh->segments.size(), 1U);
+      EXPECT_EQ(mesh->segments[0].corners, text.segments[0].corners);
+      EXPECT_EQ(mesh->segments[0].marker, 7);
+      ASSERT_EQ(mesh->triangles.size(), 2U);
+      EXPECT_EQ(mesh->triangles[1].corners, text.triangles[1].corners);
+      EXPECT_EQ(mesh->triangles[1].marker, 2);
+    }
+  }
+}
+
+// At each length an error, not a crash: "a.msh:LINE: ".
+TEST(ElementFiles, OfBytesThatEndEarlyAreRefused) {
+  for (const std::string& file : {BinaryMsh2(false), BinaryMsh4(true)}) {
+    for (std::size_t size = 0; size + 1 < file.size(); ++size) {
+      const auto mesh = Parse("msh", file.substr(0, size));
+      ASSERT_FALSE(mesh.ok()) << size;
+      EXPECT_TRUE(std::string(mesh.status().message()).starts_with("a.msh:"));
+    }
+  }
+}
+
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -90,7 +179,9 @@ TEST(ElementFiles, SayWhereAndWhatIsWrong) {
       {"msh", "", 1, "no $Elements"},
       {"msh", "$Nodes\n", 1, "must begin with $MeshFormat"},
       {"msh", Replaced(kMsh2, "2.2", "3.0"), 2, "version 3"},
-      {"msh", Replaced(kMsh2, "2.2 0", "2.2 1"), 2, "binary"},
+      {"msh", Replaced(kMsh2, "2.2 0", "2.2 1"), 2, "must have the number 1"},
+      {"msh", Replaced(kMsh2, "2.2 0 8", "2.2 1 4"), 2, "numbers of 4 bytes cannot be read"},
+      {"msh", Replaced(kMsh2, "2.2 0", "2.2 2"), 2, "0 (ASCII) or 1 (binary)"},
       {"msh", Replaced(kMsh2, "\"Body\"", "Body"), 7, "in quotes"},
       {"msh", Replaced(kMsh2, "\n20 1", "\n10 1"), 12, "vertex 10 stands twice"},
       {"msh", Replaced(kMsh2, "1 1 2 7 1 10 20", "1 3 2 7 1 10 20"), 18, "type 3 cannot be read"},

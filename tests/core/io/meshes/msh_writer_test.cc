@@ -456,6 +456,52 @@ TEST(Msh, Version22HoldsWhat41Does) {
   }
 }
 
+// Read again, a binary file is the text to the bit, row by row.
+TEST(Msh, BytesHoldWhatTextDoes) {
+  const TempFolder folder;
+  IndexedMesh quadratic = IndexMesh(SampleMeshWithRegions()).value();
+  AddMidpoints(quadratic);
+  const IndexedMesh meshes[] = {
+      IndexMesh(SampleMesh()).value(), quadratic, testing::AnyMesh(test::NewSeed(), 500),
+      IndexMesh(testing::MakeGoodSpaceMesh(5, 40).mesh).value(), IndexedMesh()};
+  for (const IndexedMesh& mesh : meshes) {
+    for (const MshVersion version : {MshVersion::k41, MshVersion::k22}) {
+      ASSERT_TRUE(WriteMsh(mesh, folder.Path("text.msh"), version).ok());
+      ASSERT_TRUE(WriteMsh(mesh, folder.Path("bytes.msh"), version, true).ok());
+      EXPECT_EQ(folder.Read("bytes.msh").substr(16, 3), "1 8");
+      const auto text = ReadMshFile(folder.Path("text.msh")),
+                 bytes = ReadMshFile(folder.Path("bytes.msh"));
+      ASSERT_EQ(text.ok(), bytes.ok()) << text.status() << bytes.status();
+      if (!text.ok()) {  // AnyMesh may have an element with a vertex twice
+        const auto what = [](const absl::Status& status) {
+          const std::string said(status.message());
+          return said.substr(said.find(": "));
+        };
+        EXPECT_EQ(what(text.status()), what(bytes.status()));
+        continue;
+      }
+      EXPECT_EQ(text->names, bytes->names);
+      EXPECT_EQ(text->dimension, bytes->dimension);
+      ASSERT_EQ(text->positions.size(), bytes->positions.size());
+      for (std::size_t v = 0; v < text->positions.size(); ++v) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          EXPECT_EQ(std::bit_cast<std::uint64_t>(text->positions[v][k]),
+                    std::bit_cast<std::uint64_t>(bytes->positions[v][k]));
+        }
+      }
+      const auto compare = [](const auto& a, const auto& b) {
+        ASSERT_EQ(a.size(), b.size());
+        for (std::size_t i = 0; i < a.size(); ++i) {
+          EXPECT_EQ(a[i].corners, b[i].corners);
+          EXPECT_EQ(a[i].marker, b[i].marker);
+        }
+      };
+      compare(text->points, bytes->points), compare(text->segments, bytes->segments);
+      compare(text->triangles, bytes->triangles), compare(text->tetrahedra, bytes->tetrahedra);
+    }
+  }
+}
+
 TEST(Msh, OfNothingIsStillAFile) {
   const TempFolder folder;
   ASSERT_TRUE(WriteMsh(IndexedMesh(), folder.Path("m.msh")).ok());
