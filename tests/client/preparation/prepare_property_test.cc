@@ -93,19 +93,6 @@ class Solids {
     return ribbon;
   }
 
-  // Two spheres at one place, of nearly one size, turned a little or not at all.
-  Solid NextSpheres() {
-    std::uniform_real_distribution<double> exponent(-12, -2);
-    const int rings = 2 + Below(4), sectors = 3 + Below(8);
-    Solid all = Sphere(rings, sectors, 1, 0);
-    const auto little = [&] { return Below(3) == 0 ? 0 : std::pow(10, exponent(random_)); };
-    const int finer = Below(3);
-    const double radius = 1 + little();
-    all.Add(Sphere(rings + finer, sectors + finer, radius, little()));
-    if (Below(2) == 0) MakeFloat(all);
-    return all;
-  }
-
   // A plate of squares, with the noise of floats, or more, in its upper side.
   Solid NextGrid() {
     std::uniform_real_distribution<double> noise(-1, 1), exponent(-9, -4);
@@ -178,32 +165,6 @@ class Solids {
     for (auto& point : solid.points) {
       for (double& x : point) x = static_cast<float>(x * 1.1);
     }
-  }
-  // Of triangles from pole to pole.
-  static Solid Sphere(int rings, int sectors, double radius, double turn) {
-    Solid sphere;
-    sphere.points = {{0, 0, radius}, {0, 0, -radius}};
-    for (int i = 1; i <= rings; ++i) {
-      const double polar = std::numbers::pi * i / (rings + 1);
-      for (int j = 0; j < sectors; ++j) {
-        const double angle = turn + 2 * std::numbers::pi * j / sectors;
-        sphere.points.push_back({radius * std::sin(polar) * std::cos(angle),
-                                 radius * std::sin(polar) * std::sin(angle),
-                                 radius * std::cos(polar)});
-      }
-    }
-    const auto at = [&](int i, int j) {
-      return static_cast<std::size_t>(2 + i * sectors + j % sectors);
-    };
-    for (int j = 0; j < sectors; ++j) {
-      sphere.faces.push_back({0, at(0, j), at(0, j + 1)});
-      sphere.faces.push_back({1, at(rings - 1, j + 1), at(rings - 1, j)});
-      for (int i = 0; i + 1 < rings; ++i) {
-        sphere.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-        sphere.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-      }
-    }
-    return sphere;
   }
   // Each face has points of its own, off by up to a millionth.
   void Open(Solid& solid) {
@@ -288,8 +249,6 @@ TEST(PrepareProperty, WhatIsPreparedIsAcceptedAndNearAndStays) {
 TEST(PrepareProperty, RibbonsThatGoOverThemselves) {
   ExpectAcceptedAndNearAndStays(&Solids::NextRibbon, {0.25, 0.2, false, 10});
 }
-
-TEST(PrepareProperty, SpheresAtOnePlace) { ExpectAcceptedAndNearAndStays(&Solids::NextSpheres); }
 
 TEST(PrepareProperty, PlatesWithNoise) {
   ExpectAcceptedAndNearAndStays(&Solids::NextGrid, {0, 0, true});
