@@ -18,7 +18,10 @@ class Effort {
     left_ -= is_spent_ ? 0 : steps;
     return !is_spent_;
   }
+  // As if there were none left.
+  void Spend() { is_spent_ = true; }
   bool is_spent() const { return is_spent_; }
+  std::uint64_t left() const { return left_; }
 
  private:
   std::uint64_t left_;

@@ -415,12 +415,22 @@ bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {
 Contacts FindContacts(const Surface& surface, int since, std::size_t most, Effort& effort) {
   Contacts contacts;
   const Search search(surface, since);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   search.VisitPairs([&](std::uint32_t i, std::uint32_t j) {
-    if (!effort.Take(1)) return false;
+    pairs.emplace_back(i, j);
+    contacts.is_crowded = pairs.size() > effort.left();
+    return !contacts.is_crowded;
+  });
+  if (contacts.is_crowded) {
+    contacts.crowd = surface.at(surface.simplices[pairs.back().first].v[0]);
+    pairs.clear();
+  }
+  effort.Take(pairs.size());
+  for (const auto& [i, j] : pairs) {
     search.FindOfPair(i, j, contacts.pairs);
     contacts.is_cut_off = contacts.pairs.size() > most;
-    return !contacts.is_cut_off;
-  });
+    if (contacts.is_cut_off) break;
+  }
   // A face's own corner beside its opposite edge.
   for (std::uint32_t i = 0; i < surface.simplices.size(); ++i) {
     const Simplex& s = surface.simplices[i];

@@ -53,10 +53,13 @@ struct Contacts {
   std::vector<Contact> pairs;
   std::vector<ThinFace> thin;
   bool is_cut_off = false;  // there are more than `most` pairs
+  // More boxes meet than there are steps left, as in a fan of hundreds of needles: no pair was
+  // compared.
+  bool is_crowded = false;
+  Point3 crowd{};  // a corner of one of them
 };
 
-// Of which one simplex has born >= `since`. Each pair with boxes that meet is a step; if the effort
-// is spent, the result has those found so far.
+// Of which one simplex has born >= `since`. Each pair with boxes that meet is a step.
 Contacts FindContacts(const Surface& surface, int since, std::size_t most, Effort& effort);
 
 // Are the corners of one nearly in the plane of the other? REQUIRES: two faces.

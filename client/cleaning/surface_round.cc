@@ -62,9 +62,10 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   told_.clear();
   edges_ = surface_.EdgesOf();
   Contacts contacts = FindContacts(surface_, seen_, max_crossings_, effort_);
-  if (effort_.is_spent()) {
-    found_ = contacts.pairs.size();
-    if (!contacts.pairs.empty()) where_ = contacts.pairs.back().place;
+  if (contacts.is_crowded) {
+    effort_.Spend();
+    found_ = contacts.thin.size();
+    where_ = contacts.crowd;
     return SpentError();
   }
   if (contacts.pairs.empty() && contacts.thin.empty()) return false;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
+#include "client/cli/facet_map_file.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/memory_flag.h"
@@ -41,6 +42,7 @@ struct MeshCommand {
   SelectionFlags selection;
   std::string markers;
   std::string max_memory;
+  std::string map;
   bool all_refusals = false;
   bool json = false;
   std::shared_ptr<RemoteMesher> remote;  // may be null
@@ -184,6 +186,12 @@ int Run(MeshCommand command) {
         command.input, input->labels->markers.size()));
   }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
+  // It is of the prepared surface, whether or not a mesh is made of that.
+  if (!command.map.empty()) {
+    if (auto status = WriteFacetMap(command.input, *input, command.map); !status.ok()) {
+      return ReportError(status);
+    }
+  }
   if (auto status = CheckNotInput(command.output, command.input); !status.ok()) {
     return ReportError(status);
   }
@@ -301,6 +309,11 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   AddSizeFlags(*sub, command->sizes);
   AddUnsplitFlag(*sub, command->unsplit);
   AddOutputFlags(*sub, command->output);
+  sub->add_option("--map", command->map,
+                  "Of a surface file: write, as JSON, the indices of its facets, from 0, that each "
+                  "polygon of the prepared surface is made of; the mesh's borders have the "
+                  "polygons' ids")
+      ->type_name("FILE");
   AddSelectionFlags(*sub, command->selection);
   AddSurroundingsFlag(*sub, command->selection);
   AddMarkersFlag(*sub, command->markers);

@@ -70,11 +70,12 @@ Cleaner::Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surfa
       is_closed_(is_closed),
       within_(within) {
   raw_.warnings.clear();
+  raw_.verdict.reset();
   raw_.labels = WithoutAttributes(*raw_.labels);
 }
 
-absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle,
-                                        std::uint64_t steps) const {
+absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle, std::uint64_t steps,
+                                        bool is_open_no_use) const {
   Prepared prepared = {raw_, {}};
   Report& report = prepared.report;
   report.is_mended = true;
@@ -95,6 +96,9 @@ absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle,
   if (is_closed_ && !doubled.empty()) {
     with_flaps = features;
     flaps = DropFlaps(doubled, features);
+  }
+  if (is_open_no_use && !OpenEdgesOf(features).empty()) {
+    return absl::FailedPreconditionError("edges are open");
   }
   std::optional<double> farthest = FarthestOf(prepared);
   if (!farthest && flaps != 0) {

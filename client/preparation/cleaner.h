@@ -26,8 +26,10 @@ class Cleaner {
   // What cleaning with the tolerance makes; in 3D what meets at less than `least_angle` degrees
   // becomes one.
   // RESOURCE_EXHAUSTED and INVALID_ARGUMENT as cleaning; OUT_OF_RANGE if it is too far from the
-  // input; NOT_FOUND if nothing is left. Expected O(n lg n).
-  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps) const;
+  // input; NOT_FOUND if nothing is left; FAILED_PRECONDITION if edges are open and that is no use.
+  // Expected O(n lg n).
+  absl::StatusOr<Prepared> Clean(double tolerance, double least_angle, std::uint64_t steps,
+                                 bool is_open_no_use) const;
 
   // Of cleaning in 3D, for one tolerance.
   std::uint64_t Steps() const;

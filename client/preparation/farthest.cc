@@ -12,11 +12,9 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/patch_distance.h"
-#include "client/cleaning/surface.h"
-#include "client/cleaning/surface_polygons.h"
-#include "client/cleaning/tolerance_field.h"
 #include "client/cleaning/vectors3.h"
 #include "client/preparation/positions.h"
+#include "client/preparation/triangles.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
 
@@ -101,39 +99,10 @@ bool IsWithin(const Edge& edge, std::span<const Edge> targets, double distance) 
 
 using cleaning::TriangleCorners;
 
-// Polygons of more corners are cut as they are for cleaning.
-std::vector<TriangleCorners> TrianglesOf(const std::vector<Feature>& features) {
-  double size = 0;
-  for (const Feature& f : features) {
-    if (!IsPoint(f)) continue;
-    for (const double x : f.position) size = std::max(size, std::abs(x));
-  }
-  const cleaning::ToleranceField field(size > 0 ? size : 1);  // not used here
-  cleaning::Surface surface(field);
-  std::vector<std::pair<Point3, FeatureId>> points;  // nodes are in the order of coordinates there
-  for (const Feature& f : features) {
-    if (IsPoint(f)) points.emplace_back(f.position, f.id);
-  }
-  std::ranges::sort(points);
-  absl::flat_hash_map<FeatureId, cleaning::Node> node_of;
-  cleaning::Node last = 0;
-  for (const auto& [at, id] : points) {
-    if (node_of.empty() || surface.at(last) != at) last = surface.AddNode(at, id);
-    node_of[id] = last;
-  }
+std::vector<TriangleCorners> CornersOf(const std::vector<Feature>& features) {
   std::vector<TriangleCorners> triangles;
-  for (const Feature& f : features) {
-    if (!Is<APolygon>(f, Not<APoint, ASegment, ASize>)) continue;
-    std::vector<cleaning::NodeRing> rings;
-    for (const std::vector<FeatureId>& ring : f.rings) {
-      cleaning::NodeRing& nodes = rings.emplace_back();
-      for (const FeatureId id : ring) nodes.push_back(node_of.at(id));
-    }
-    for (const auto& t : cleaning::PiecesOf(surface, rings, 0).triangles) {
-      TriangleCorners triangle = {surface.at(t[0]), surface.at(t[1]), surface.at(t[2])};
-      std::ranges::sort(triangle);
-      triangles.push_back(triangle);
-    }
+  for (const PolygonPart& part : TrianglesOf(features)) {
+    std::ranges::sort(triangles.emplace_back(part.corners));
   }
   std::ranges::sort(triangles);
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
@@ -220,7 +189,7 @@ std::optional<double> FarthestBound(const std::vector<Feature>& from,
                                     const std::vector<Feature>& to, int dimension, double least,
                                     double most) {
   return dimension == 2 ? Bound(EdgesOf(from), EdgesOf(to), least, most)
-                        : Bound(TrianglesOf(from), TrianglesOf(to), least, most);
+                        : Bound(CornersOf(from), CornersOf(to), least, most);
 }
 
 }  // namespace dynmesh::preparation

@@ -9,6 +9,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "client/cleaning/box_tree.h"
 #include "client/cleaning/node_table.h"
+#include "client/cleaning/vectors3.h"
 #include "client/preparation/positions.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
@@ -20,7 +21,22 @@ using EdgeKey = std::pair<FeatureId, FeatureId>;
 
 EdgeKey KeyOf(FeatureId p, FeatureId q) { return std::minmax(p, q); }
 
+// In distances: an edge and what it becomes one with may both move, and a face between them go.
+constexpr double kReach = 4;
+
 bool IsPolygon(const Feature& f) { return Is<APolygon>(f, Not<APoint, ASegment, ASize>); }
+
+// The squared distance of the middle of an edge to another one.
+double SquaredDistanceTo(const OpenEdge& other, const OpenEdge& edge) {
+  using cleaning::Dot;
+  const cleaning::Point3 middle =
+      cleaning::Along(edge.at_p, 0.5, cleaning::Minus(edge.at_q, edge.at_p));
+  const cleaning::Point3 d = cleaning::Minus(other.at_q, other.at_p);
+  const double length2 = Dot(d, d);
+  const double t = length2 > 0 ? Dot(d, cleaning::Minus(middle, other.at_p)) / length2 : 0;
+  const cleaning::Point3 foot = cleaning::Along(other.at_p, std::clamp(t, 0.0, 1.0), d);
+  return cleaning::SquaredDistance<3>(middle, foot);
+}
 
 void DropUnusedPoints(std::vector<Feature>& features) {
   absl::flat_hash_set<FeatureId> used;
@@ -43,7 +59,7 @@ std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
   for (const auto& [edge, faces] : faces_at) {
     if (faces != 1) continue;
     const cleaning::Point3 ends[] = {at.at(edge.first), at.at(edge.second)};
-    open.push_back({edge.first, edge.second, cleaning::Box3::Of(ends)});
+    open.push_back({edge.first, edge.second, ends[0], ends[1], cleaning::Box3::Of(ends)});
   }
   return open;
 }
@@ -51,19 +67,18 @@ std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features) {
 bool MayBeClosed(const std::vector<OpenEdge>& open, double distance) {
   std::vector<cleaning::BoxEntry> boxes;
   for (std::uint32_t i = 0; i < open.size(); ++i) {
-    boxes.emplace_back(cleaning::TreeBoxOf(open[i].box.Grown(distance)), i);
+    boxes.emplace_back(cleaning::TreeBoxOf(open[i].box.Grown(kReach * distance)), i);
   }
   const cleaning::BoxTree tree(boxes.begin(), boxes.end());
   return std::ranges::all_of(open, [&](const OpenEdge& edge) {
     std::vector<cleaning::BoxEntry> found;
     tree.query(boost::geometry::index::intersects(cleaning::TreeBoxOf(edge.box)),
                std::back_inserter(found));
-    const auto is_other_at = [&](FeatureId end) {
-      return std::ranges::any_of(found, [&](const cleaning::BoxEntry& entry) {
-        return open[entry.second].p != end && open[entry.second].q != end;
-      });
-    };
-    return is_other_at(edge.p) && is_other_at(edge.q);
+    return std::ranges::any_of(found, [&](const cleaning::BoxEntry& entry) {
+      const OpenEdge& other = open[entry.second];
+      return &other != &edge &&
+             SquaredDistanceTo(other, edge) <= kReach * distance * kReach * distance;
+    });
   });
 }
 

@@ -8,20 +8,22 @@
 #include <vector>
 
 #include "client/cleaning/box3.h"
+#include "client/cleaning/node_table.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::preparation {
 
 struct OpenEdge {
   FeatureId p = kNoFeature, q = kNoFeature;  // p < q
+  cleaning::Point3 at_p{}, at_q{};
   cleaning::Box3 box;
 };
 
 // Those of the polygons. REQUIRES: their corners are points of `features`.
 std::vector<OpenEdge> OpenEdgesOf(const std::vector<Feature>& features);
 
-// Does each end of an open edge have another open edge, which does not end there, within the
-// distance? Conservative: may return true needlessly.
+// Does each open edge have another one near its middle, so that both may become one if either moves
+// by the distance? Conservative: may return true needlessly.
 bool MayBeClosed(const std::vector<OpenEdge>& open, double distance);
 
 // Where a closed surface is folded onto itself, two faces become one, which encloses nothing. Drops

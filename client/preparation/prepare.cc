@@ -66,16 +66,20 @@ bool MayBeRefused(const std::vector<Feature>& features, double distance) {
 }
 
 // OK if a mesh accepts it, and gaps do not take too many vertices, as far as that is known before.
-absl::Status Refusal(const Geometry& geometry) {
-  MeshOptions options = geometry.options;
+absl::Status RefusalOf(const std::vector<Feature>& features, MeshOptions options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  if (!MayBeRefused(geometry.features, LeastDistance(options))) return absl::OkStatus();
+  if (!MayBeRefused(features, LeastDistance(options))) return absl::OkStatus();
   options.limits.max_vertices =
       options.dimension == 2
-          ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * geometry.features.size())
-          : DefaultMostVertices(geometry.features, options);
+          ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * features.size())
+          : DefaultMostVertices(features, options);
   const auto mesh = DynamicMesh::Create(options);
-  return mesh.ok() ? (*mesh)->Validate(AddAll(geometry.features)) : mesh.status();
+  return mesh.ok() ? (*mesh)->Validate(AddAll(features)) : mesh.status();
+}
+
+// It may have been asked already, as faces were joined.
+absl::Status Refusal(const Geometry& geometry) {
+  return geometry.verdict ? *geometry.verdict : RefusalOf(geometry.features, geometry.options);
 }
 
 // A refusal that names features, or is for the size of the mesh. Others are of the options.
@@ -110,10 +114,11 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
   std::uint64_t steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
-    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps);
+    const bool is_open_no_use = to_close && (best || as_read.found.ok());
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps, is_open_no_use);
     absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
     if (IsOfAngle(refusal)) {
-      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps);
+      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps, is_open_no_use);
       if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
     }
     if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
@@ -160,6 +165,7 @@ void Thin(double within, const io::GeometryOptions& reading, Prepared& prepared)
 // `prepared` with its holes filled, if a mesh accepts that; else as it is.
 void Fill(double longest, const io::GeometryOptions& reading, Prepared& prepared) {
   Geometry filled = prepared.geometry;
+  filled.verdict.reset();
   const std::size_t count = FillLoops(longest, filled.features);
   if (count == 0) return;
   Report& report = prepared.report;
@@ -198,13 +204,16 @@ bool MayBePrepared(const std::string& path, const PrepareOptions& options) {
   return format->extension == ".poly" || format->extension == ".node";
 }
 
-absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
+absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& as_asked,
                                  const PrepareOptions& options) {
   for (const auto& [flag, length] :
        {std::pair("--within", options.within), {"--fill-holes", options.fill_holes}}) {
     if (absl::Status status = CheckLength(flag, length); !status.ok()) return status;
   }
   const auto start = std::chrono::steady_clock::now();
+  const bool may_be = MayBePrepared(path, options);
+  io::GeometryOptions reading = as_asked;
+  if (may_be) reading.judge = RefusalOf;
   const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
   const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const auto within_of = [&](const Geometry& geometry) {
@@ -227,7 +236,6 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     return prepared;
   };
   io::GeometryOptions how = reading;
-  const bool may_be = MayBePrepared(path, options);
   if (may_be) how.mend_rings = true;
   absl::StatusOr<Geometry> given = io::ReadGeometry(path, how);
   if (!may_be) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
@@ -112,6 +114,7 @@ class FlatJoiner {
       result_.needles = DropNeedles(positions_, Within(), kept_.edges, faces_);
     }
     as_given_.clear();
+    judged_.reset();
     for (std::size_t f = 0; f < faces_.size(); ++f) as_given_.push_back(faces_[f] == given_[f]);
     for (std::size_t f = 0, n = faces_.size(); f < n; ++f) {
       if (faces_[f].size() > 3 && !IsFlat(faces_[f])) Cut(f, !options_.join);
@@ -318,14 +321,7 @@ class FlatJoiner {
       if (is_moved) changed.insert(f.id);
     }
     if (changed.empty()) return false;
-    absl::flat_hash_set<FeatureId> blamed;
-    options_.conflicts(
-        result_.features, [&](FeatureId id) { return changed.contains(id); },
-        [&](FeatureId f, FeatureId g) {
-          for (const FeatureId id : {f, g}) {
-            if (changed.contains(id)) blamed.insert(id);
-          }
-        });
+    const absl::flat_hash_set<FeatureId> blamed = Blamed(std::move(changed));
     if (blamed.empty()) return false;
     // What holds moved corners: all polygons that are to be flat there.
     std::vector<bool> stays(out_.size(), false), corner_stays(positions_.size(), false);
@@ -369,6 +365,50 @@ class FlatJoiner {
     if (!any) options_.join = false;
     Start();
     return true;
+  }
+
+  // Those of `changed` that are in conflict. What was judged in the round before, without a
+  // conflict, and is as it was then, is not judged again with others of that kind.
+  absl::flat_hash_set<FeatureId> Blamed(absl::flat_hash_set<FeatureId> changed) {
+    absl::flat_hash_set<FeatureId> blamed;
+    if (options_.accepts && !std::exchange(is_asked_, true)) {
+      result_.is_accepted = options_.accepts(result_.features);
+      if (result_.is_accepted) return blamed;
+    }
+    absl::flat_hash_set<FeatureId> fresh;
+    if (judged_) {
+      for (const Feature& f : result_.features) {
+        const bool is_known = !judged_->blamed.contains(f.id) && IsAsJudged(f) &&
+                              (judged_->changed.contains(f.id) || !changed.contains(f.id));
+        if (!is_known) fresh.insert(f.id);
+      }
+    }
+    options_.conflicts(
+        result_.features, [&](FeatureId id) { return changed.contains(id); },
+        [&](FeatureId id) { return judged_ ? fresh.contains(id) : changed.contains(id); },
+        [&](FeatureId id) { blamed.insert(id); });
+    judged_.emplace();
+    for (const Feature& f : result_.features) {
+      if (!IsPoint(f)) judged_->rings.emplace(f.id, f.rings);
+    }
+    judged_->positions = moved_;
+    judged_->blamed = blamed;
+    judged_->changed = std::move(changed);
+    return blamed;
+  }
+
+  // Is it the same, at the same place, as in the round before?
+  bool IsAsJudged(const Feature& f) const {
+    const auto is_at_its_place = [&](FeatureId id) {
+      const Corner c = corner_.at(id);
+      return moved_[c] == judged_->positions[c];
+    };
+    if (IsPoint(f)) return is_at_its_place(f.id);
+    const auto was = judged_->rings.find(f.id);
+    if (was == judged_->rings.end() || was->second != f.rings) return false;
+    bool is_same = true;
+    ForEachPointOf(f, [&](FeatureId id) { is_same = is_same && is_at_its_place(id); });
+    return is_same;
   }
 
   // Is it to be flat?
@@ -424,6 +464,14 @@ class FlatJoiner {
   std::vector<std::vector<std::size_t>> members_;
   std::vector<FaceRings> patches_;
   std::vector<std::size_t> of_patch_;
+  // Of the round before.
+  struct Judged {
+    absl::flat_hash_map<FeatureId, Rings> rings;  // of features but points
+    std::vector<Point3> positions;                // by corner
+    absl::flat_hash_set<FeatureId> changed, blamed;
+  };
+  std::optional<Judged> judged_;
+  bool is_asked_ = false;  // JoinOptions::accepts
 };
 
 // Surely? So it is of most curved surfaces.

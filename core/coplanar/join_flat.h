@@ -26,11 +26,14 @@
 
 namespace dynmesh::coplanar {
 
-// Calls found(f, g) for each pair of `features` in conflict of which `is_looked_at` says yes to one
-// at least; found(f, f) for one that is illegal by itself.
-using Conflicts = std::function<void(const std::vector<Feature>& features,
-                                     const std::function<bool(FeatureId)>& is_looked_at,
-                                     const std::function<void(FeatureId, FeatureId)>& found)>;
+// Calls found(f) for each of `features` that is looked at and is illegal by itself or in conflict
+// with another one. Pairs of which none is new need not be judged: they were before, without a
+// conflict, or do not matter.
+using Conflicts = std::function<void(
+    const std::vector<Feature>& features, const std::function<bool(FeatureId)>& is_looked_at,
+    const std::function<bool(FeatureId)>& is_new, const std::function<void(FeatureId)>& found)>;
+// True if no features are in conflict.
+using Accepts = std::function<bool(const std::vector<Feature>& features)>;
 
 struct JoinOptions {
   // How far a coordinate may be from what was meant.
@@ -40,6 +43,8 @@ struct JoinOptions {
   bool join = true;     // false: only what is not flat is cut
   bool holes = true;    // polygons may have several rings
   Conflicts conflicts;  // what a mesh refuses; may be null
+  // Asked first, if there is anything to ask: mostly nothing is in conflict. May be null.
+  Accepts accepts;
 };
 
 struct JoinedFaces {
@@ -50,6 +55,7 @@ struct JoinedFaces {
   std::size_t cut = 0;                                 // faces that became triangles
   std::size_t moved = 0;                               // corners
   double most_moved = 0;                               // the largest distance
+  bool is_accepted = false;                            // `accepts` has said so of these features
 };
 
 // REQUIRES: each polygon has one ring of three corners or more, all of them points of `features`,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "core/base/box_tree.h"
 #include "core/base/feature_kinds.h"
 #include "core/base/rings.h"
@@ -27,22 +28,24 @@ class ConflictFinder {
  public:
   ConflictFinder(const MeshOptions& options, const std::vector<Feature>& features,
                  absl::FunctionRef<bool(FeatureId)> is_looked_at,
-                 absl::FunctionRef<void(FeatureId, FeatureId)> found)
+                 absl::FunctionRef<bool(FeatureId)> is_new,
+                 absl::FunctionRef<void(FeatureId)> found)
       : options_(options),
         limit_(CloseLimit(options)),
-        is_looked_at_(is_looked_at),
+        is_new_(is_new),
         found_(found),
         index_(CellGrid<3>(options.box, limit_)) {
     for (const Feature& f : features) {
+      if (is_looked_at(f.id)) open_.insert(f.id);
       if (!IsPoint(f)) continue;
       std::copy_n(f.position.begin(), 3, position_[f.id].c.begin());
     }
-    // What is far from all that is looked at does not matter.
-    std::vector<Box3> looked_at;
+    // What is far from all that is new does not matter.
+    std::vector<Box3> fresh;
     for (const Feature& f : features) {
-      if (IsShape(f) && is_looked_at(f.id)) looked_at.push_back(BoxOf(f));
+      if (IsShape(f) && is_new_(f.id)) fresh.push_back(BoxOf(f));
     }
-    const boxes::BoxTree<3> near(std::move(looked_at));
+    const boxes::BoxTree<3> near(std::move(fresh));
     for (const Feature& f : features) {
       if (!IsShape(f) || !near.Meets(BoxOf(f))) continue;
       Visit(
@@ -55,28 +58,37 @@ class ConflictFinder {
     }
   }
 
+  // Each pair is judged once: when the later one enters. What is not new enters first.
   void Run() {
-    for (const auto& p : points_) index_.Insert(p);
-    for (const auto& s : segments_) index_.Insert(s);
-    for (const Facet& f : facets_) index_.Insert(f);
     for (const auto& p : points_) {
-      if (!is_looked_at_(p.id)) continue;
-      if (!CheckPosition(p, options_.box, 0).ok()) found_(p.id, p.id);
+      if (!is_new_(p.id)) index_.Insert(p);
+    }
+    for (const auto& s : segments_) {
+      if (!IsNew(s)) index_.Insert(s);
+    }
+    for (const Facet& f : facets_) {
+      if (!is_new_(f.id())) index_.Insert(f);
+    }
+    for (const auto& p : points_) {
+      if (!is_new_(p.id)) continue;
+      if (!CheckPosition(p, options_.box, 0).ok()) Tell(p);
       index_.QueryNear(
           p.p, [&](const PointFeature<3>& q) { Judge(p, q, p.id != q.id); },
           [&](const SegmentFeature<3>& s) { Judge(p, s); }, [&](const Facet& f) { Judge(p, f); },
           &cost_);
+      index_.Insert(p);
     }
     for (const auto& s : segments_) {
-      if (!IsLookedAt(s)) continue;
+      if (!IsNew(s)) continue;
       index_.QueryNear(
           s, [&](const PointFeature<3>& p) { Judge(p, s); },
           [&](const SegmentFeature<3>& t) { Judge(s, t, KeyOf(s) != KeyOf(t)); },
           [&](const Facet& f) { Judge(s, f); }, &cost_);
+      index_.Insert(s);
     }
     for (const Facet& f : facets_) {
-      if (!is_looked_at_(f.id())) continue;
-      if (!CheckFacet(f, limit_, 0).ok()) found_(f.id(), f.id());
+      if (!is_new_(f.id())) continue;
+      if (!CheckFacet(f, limit_, 0).ok()) Tell(f);
       // Facets may be near in as many visited cells as they have corners.
       absl::flat_hash_map<FeatureId, bool> judged;
       index_.QueryNear(
@@ -86,6 +98,7 @@ class ConflictFinder {
             if (judged.try_emplace(g.id(), true).second) Judge(f, g, f.id() != g.id());
           },
           &cost_);
+      index_.Insert(f);
     }
   }
 
@@ -125,7 +138,10 @@ class ConflictFinder {
   void AddSegment(const Feature& f) {
     SegmentFeature<3>& edge = segments_[EdgeBetween(f.ends[0], f.ends[1])];
     const bool is_twice = edge.id != kNoFeature && !edge.IsOfPolygon();
-    if (is_twice && (is_looked_at_(f.id) || is_looked_at_(edge.id))) found_(edge.id, f.id);
+    if (is_twice && (is_new_(f.id) || is_new_(edge.id))) {
+      Tell(f.id);
+      Tell(edge.id);
+    }
     if (!is_twice) edge.id = f.id;
   }
 
@@ -146,7 +162,7 @@ class ConflictFinder {
 
   void AddPolygon(const Feature& f) {
     if (!CheckRings(f.id, f.rings, 0).ok()) {
-      found_(f.id, f.id);
+      if (is_new_(f.id)) Tell(f.id);
       return;
     }
     FacetFeature facet = {f.id, f.rings, {}};
@@ -164,30 +180,53 @@ class ConflictFinder {
     });
   }
 
-  bool IsLookedAt(const SegmentFeature<3>& s) const {
-    return is_looked_at_(s.id) || std::any_of(s.polygons.begin(), s.polygons.end(), is_looked_at_);
+  bool IsNew(const SegmentFeature<3>& s) const {
+    return is_new_(s.id) || std::any_of(s.polygons.begin(), s.polygons.end(), is_new_);
   }
 
-  static std::vector<FeatureId> IdsOf(const PointFeature<3>& p) { return {p.id}; }
-  static std::vector<FeatureId> IdsOf(const Facet& f) { return {f.id()}; }
-  static std::vector<FeatureId> IdsOf(const SegmentFeature<3>& s) {
-    std::vector<FeatureId> ids = s.polygons;
-    if (!s.IsOfPolygon()) ids.push_back(s.id);
-    return ids;
+  // What is in conflict with the feature is so with all of these.
+  template <class Do>
+  static bool AnyOf(const PointFeature<3>& p, Do is) {
+    return is(p.id);
+  }
+  template <class Do>
+  static bool AnyOf(const Facet& f, Do is) {
+    return is(f.id());
+  }
+  template <class Do>
+  static bool AnyOf(const SegmentFeature<3>& s, Do is) {
+    return std::any_of(s.polygons.begin(), s.polygons.end(), is) || (!s.IsOfPolygon() && is(s.id));
+  }
+
+  void Tell(FeatureId id) {
+    if (open_.erase(id) != 0) found_(id);
+  }
+  template <class F>
+  void Tell(const F& f) {
+    AnyOf(f, [&](FeatureId id) {
+      Tell(id);
+      return false;
+    });
+  }
+
+  // Of many at one corner that are in conflict with each other, most are told after a few pairs.
+  template <class F>
+  bool IsTold(const F& f) const {
+    return !AnyOf(f, [&](FeatureId id) { return open_.contains(id); });
   }
 
   template <class F, class G>
   void Judge(const F& f, const G& g, bool are_two = true) {
-    if (!are_two || Between(f, g, limit_) == Conflict::kNone) return;
-    for (const FeatureId a : IdsOf(f)) {
-      for (const FeatureId b : IdsOf(g)) found_(a, b);
-    }
+    if (!are_two || (IsTold(f) && IsTold(g)) || Between(f, g, limit_) == Conflict::kNone) return;
+    Tell(f);
+    Tell(g);
   }
 
   const MeshOptions& options_;
   const double limit_;
-  const absl::FunctionRef<bool(FeatureId)> is_looked_at_;
-  const absl::FunctionRef<void(FeatureId, FeatureId)> found_;
+  const absl::FunctionRef<bool(FeatureId)> is_new_;
+  const absl::FunctionRef<void(FeatureId)> found_;
+  absl::flat_hash_set<FeatureId> open_;  // looked at, and not told yet
   FeatureIndex<3> index_;
   absl::flat_hash_map<FeatureId, Point3> position_;
   absl::flat_hash_map<EdgeKey, std::size_t> edge_;
@@ -201,8 +240,9 @@ class ConflictFinder {
 
 void FindConflicts(const MeshOptions& options, const std::vector<Feature>& features,
                    absl::FunctionRef<bool(FeatureId)> is_looked_at,
-                   absl::FunctionRef<void(FeatureId, FeatureId)> found) {
-  ConflictFinder(options, features, is_looked_at, found).Run();
+                   absl::FunctionRef<bool(FeatureId)> is_new,
+                   absl::FunctionRef<void(FeatureId)> found) {
+  ConflictFinder(options, features, is_looked_at, is_new, found).Run();
 }
 
 }  // namespace dynmesh::plc

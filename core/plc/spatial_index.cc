@@ -14,6 +14,10 @@ constexpr double kMostCellsLong = 16;
 constexpr double kMostCellsWide = 4;
 
 void InsertInOrder(std::vector<Slot>& slots, Slot slot) {
+  if (slots.empty() || slots.back() < slot) {  // mostly: slots are given out in order
+    slots.push_back(slot);
+    return;
+  }
   slots.insert(std::lower_bound(slots.begin(), slots.end(), slot), slot);
 }
 

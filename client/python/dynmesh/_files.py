@@ -36,6 +36,9 @@ class FileInput:
     #: "length", "middle"), "unfilled" (what a mesh refuses of it with its holes filled, or ""),
     #: "seconds", and "changes", counts by kind.
     preparation: dict[str, Any] = field(default_factory=dict)
+    #: Of `read_surface` with `facets`: for each facet of the file, in its order, the id of the
+    #: polygon that it is a part of; 0 if there is none within the distance.
+    facets: list[int] = field(default_factory=list)
 
 
 def _edits_of(features: list[dict[str, Any]]) -> dict[str, Any]:
@@ -79,7 +82,7 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
 
 def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] = None,
                  fill_holes: Optional[float] = None, polygons: bool = True,
-                 keep_facets: bool = False) -> FileInput:
+                 keep_facets: bool = False, facets: bool = False) -> FileInput:
     """The features in a surface file or a map, mended where a mesh refuses them.
 
     The same as the command `dynmesh mesh` does. What crosses, overlaps, nearly touches or is there
@@ -98,7 +101,8 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
             ones become a polygon, others triangles of their corners.
         polygons: rings of a map are polygons, not segments.
         keep_facets: as of `read_input`.
+        facets: tell which polygon each facet of a surface file is a part of.
     """
-    read = _core.read_surface(os.fspath(path), within, fill_holes, polygons, keep_facets)
+    read = _core.read_surface(os.fspath(path), within, fill_holes, polygons, keep_facets, facets)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
-                     read["warnings"], read["preparation"])
+                     read["warnings"], read["preparation"], read["facets"])

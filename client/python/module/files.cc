@@ -9,7 +9,9 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <vector>
 
+#include "client/preparation/facet_map.h"
 #include "client/preparation/prepare.h"
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
@@ -46,14 +48,19 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
 
 // "mended" and so on: what was done, and how far the result is from the file.
 py::dict ReadSurface(const std::string& path, std::optional<double> within,
-                     std::optional<double> fill_holes, bool polygons, bool keep_facets) {
+                     std::optional<double> fill_holes, bool polygons, bool keep_facets,
+                     bool facets) {
   absl::StatusOr<preparation::Prepared> prepared = absl::UnknownError("");
+  absl::StatusOr<std::vector<FeatureId>> of_facets = std::vector<FeatureId>();
   {
     py::gil_scoped_release release;
     io::GeometryOptions reading;
     reading.polygons = polygons;
     reading.keep_facets = keep_facets;
     prepared = preparation::Prepare(path, reading, {within, fill_holes});
+    if (prepared.ok() && facets) {
+      of_facets = preparation::PolygonsOfFacets(path, prepared->geometry, prepared->report.within);
+    }
   }
   preparation::Prepared value = Value(std::move(prepared));
   const preparation::Report& report = value.report;
@@ -86,6 +93,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   told["changes"] = changes;
   py::dict result = DictOf(io::InputOf(std::move(value.geometry)));
   result["preparation"] = told;
+  result["facets"] = Value(std::move(of_facets));
   return result;
 }
 
@@ -167,7 +175,7 @@ void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));
   module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"),
-             py::arg("fill_holes"), py::arg("polygons"), py::arg("keep_facets"));
+             py::arg("fill_holes"), py::arg("polygons"), py::arg("keep_facets"), py::arg("facets"));
   module.def("write_rows", &WriteRows, py::arg("points"), py::arg("cells"), py::arg("regions"),
              py::arg("edges"), py::arg("owners"), py::arg("labels"), py::arg("path"),
              py::arg("choices"));

@@ -48,6 +48,8 @@ struct Geometry {
   MendedRings mended;                      // of a map, if asked for
   std::optional<SurfaceCounts> surface;    // of a surface file whose faces were mended
   NumberRounding rounding;                 // of the numbers of a surface file
+  // What GeometryOptions::judge said of these features and options, if it was asked.
+  std::optional<absl::Status> verdict;
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;
@@ -65,6 +67,10 @@ struct GeometryOptions {
   bool keep_facets = false;       // of surface files: faces in one plane do not become one polygon
   bool holes_of_polygons = true;  // faces are joined to polygons of several rings, too
   bool any_script = false;        // an extension that no format is known by is an edit script's
+  // What a mesh says of 3D features: where faces of a surface file are joined, it is asked of the
+  // result. RESOURCE_EXHAUSTED if nothing is in conflict, but the mesh would be too large. May be
+  // null.
+  std::function<absl::Status(const std::vector<Feature>&, const MeshOptions&)> judge;
 };
 
 // Reads a file by its extension (formats.h). INVALID_ARGUMENT as `file:line: what is wrong`, and

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,10 +31,11 @@ MeshOptions OptionsOf(const std::vector<Feature>& features) {
 // What a mesh of the features refuses.
 void FindConflicts(const std::vector<Feature>& features,
                    const std::function<bool(FeatureId)>& is_looked_at,
-                   const std::function<void(FeatureId, FeatureId)>& found) {
+                   const std::function<bool(FeatureId)>& is_new,
+                   const std::function<void(FeatureId)>& found) {
   const MeshOptions options = OptionsOf(features);
   if (ValidateOptions(options).ok()) {
-    plc::FindConflicts(options, features, is_looked_at, found);
+    plc::FindConflicts(options, features, is_looked_at, is_new, found);
   }
 }
 
@@ -44,15 +46,24 @@ bool HasFacesToCut(const std::vector<Feature>& features) {
 }
 
 coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding& rounding,
-                           const FeatureLabels& labels, std::vector<Feature> features) {
+                           const FeatureLabels& labels, std::vector<Feature> features,
+                           std::optional<absl::Status>& verdict) {
   coplanar::JoinOptions joining;
   joining.join = !options.keep_facets;
   joining.holes = options.holes_of_polygons;
   joining.rounding = [&](double x) { return rounding.Of(x); };
   joining.conflicts = FindConflicts;
+  if (options.judge) {
+    joining.accepts = [&](const std::vector<Feature>& result) {
+      verdict = options.judge(result, OptionsOf(result));
+      return verdict->ok() || absl::IsResourceExhausted(*verdict);
+    };
+  }
   LabelNumbers numbers(labels);
   joining.group = [&](FeatureId id) { return numbers.Of(id); };
-  return coplanar::JoinFlat(std::move(features), joining);
+  coplanar::JoinedFaces joined = coplanar::JoinFlat(std::move(features), joining);
+  if (!joined.is_accepted) verdict.reset();
+  return joined;
 }
 
 bool AreInDomain(const std::vector<Feature>& features) {
@@ -98,8 +109,9 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
   const SurfaceMends mends = MendSurface(near, file);
   coplanar::JoinedFaces joined;
+  std::optional<absl::Status> verdict;
   if ((!options.keep_facets || HasFacesToCut(file.features)) && AreInDomain(file.features)) {
-    joined = Join(options, file.rounding, file.labels, std::move(file.features));
+    joined = Join(options, file.rounding, file.labels, std::move(file.features), verdict);
     for (const auto& [part, whole] : joined.parts) {
       file.lines.resize(part, 1);
       file.lines[part - 1] = file.lines[whole - 1];
@@ -109,6 +121,7 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
   const SurfaceCounts counts = CountsOf(mends, joined);
   Geometry geometry = GeometryOfSpace(std::move(file), path);
   geometry.surface = counts;
+  geometry.verdict = std::move(verdict);
   if (const std::string done = TextOf(counts); !done.empty()) {
     geometry.warnings.push_back(text::Concat(path, ": ", done));
   }
@@ -116,9 +129,10 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
 }
 
 SurfaceCounts JoinFacesInOnePlane(const GeometryOptions& options, Geometry& geometry) {
+  geometry.verdict.reset();
   if (options.keep_facets || !AreInDomain(geometry.features)) return {};
-  coplanar::JoinedFaces joined =
-      Join(options, geometry.rounding, *geometry.labels, std::move(geometry.features));
+  coplanar::JoinedFaces joined = Join(options, geometry.rounding, *geometry.labels,
+                                      std::move(geometry.features), geometry.verdict);
   geometry.features = std::move(joined.features);
   KeepPlacesOfParts(joined.parts, geometry);
   geometry.options.box = BoundingBox(geometry.features, 3);

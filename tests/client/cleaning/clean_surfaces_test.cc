@@ -234,6 +234,25 @@ TEST(CleanSurfaces, SegmentsAndPointsTakePart) {
             (std::vector<Feature>{Feature::Segment(7, 4, 11), Feature::Segment(12, 11, 5)}));
 }
 
+// Needles side by side at one corner: more pairs than steps.
+TEST(CleanSurfaces, ACrowdIsAnErrorBeforeItIsCompared) {
+  constexpr std::size_t kNeedles = 3000;
+  std::vector<Feature> features = {Feature::Point(1, 0, 0, 0)};
+  for (std::size_t i = 0; i <= kNeedles; ++i) {
+    features.push_back(Feature::Point(2 + i, 1 + 1e-3 * static_cast<double>(i), 1e-6, 0));
+  }
+  for (std::size_t i = 0; i < kNeedles; ++i) {
+    features.push_back(Feature::Polygon(10'000 + i, {{1, 2 + i, 3 + i}}));
+  }
+  SurfaceCleanOptions options;
+  options.tolerance = kTolerance;
+  options.max_steps = kNeedles * kNeedles / 4;
+  const absl::Status status = CleanSurfaces(features, options).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  EXPECT_NE(status.message().find("too many steps: in round 1 3000"), std::string::npos) << status;
+  EXPECT_NE(status.message().find("one at (0, 0, 0)"), std::string::npos) << status;
+}
+
 TEST(CleanSurfaces, SizesStay) {
   const std::vector<Feature> features = {
       Feature::Point(1, 0, 0, 0), Feature::Size(2, {1, 1, 1}, {SizeShape::kDisc, 0.1, 0.5, {}})};

@@ -25,6 +25,22 @@ TEST_F(PrepareCommand, TheInsideOfASurfaceIsWritten) {
             Value(Run("mesh box.off --json").out, "hash"));
 }
 
+TEST_F(PrepareCommand, TheMapTellsTheFacetsOfEachPolygon) {
+  folder_.Write("box.off", BoxSolid({0, 0, 0}, {1, 1, 2}).Off());
+  ASSERT_EQ(Run("mesh box.off --map map.json").code, 0);
+  const std::string map = folder_.Read("map.json");
+  EXPECT_EQ(map.rfind("{\"facets\": 12, \"of_none\": [], \"polygons\": [\n", 0), 0U) << map;
+  for (const std::string pair : {"[0, 1]", "[2, 3]", "[4, 5]", "[6, 7]", "[8, 9]", "[10, 11]"}) {
+    EXPECT_NE(map.find("\"facets\": " + pair + "}"), std::string::npos) << pair << map;
+  }
+  // All of them have their own ids if they are kept.
+  ASSERT_EQ(Run("mesh box.off --keep-facets --map map.json").code, 0);
+  EXPECT_NE(folder_.Read("map.json").find("{\"id\": \"9\", \"facets\": [0]}"), std::string::npos);
+  EXPECT_EQ(Run("mesh box.off --map box.off").code, 2);
+  folder_.Write("square.node", "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n");
+  EXPECT_EQ(Run("mesh square.node --map map.json").code, 2);
+}
+
 TEST_F(PrepareCommand, ACavityIsNoInside) {
   Solid hollow = BoxSolid({0, 0, 0}, {3, 3, 3}), cavity = BoxSolid({1, 1, 1}, {2, 2, 2});
   hollow.Add(cavity);

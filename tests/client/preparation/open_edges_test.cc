@@ -40,5 +40,22 @@ TEST(OpenEdges, AFaceThatIsNotDoubledStaysAndKeepsWhatIsBehindIt) {
   EXPECT_EQ(DropFlaps({11, 12}, features), 0U);
 }
 
+// A slit of 1e-3, and a triangle that is missing.
+TEST(OpenEdges, MayBeClosedWhereTheyFaceEachOther) {
+  const std::vector<Feature> slit = {
+      Feature::Point(1, 0, 0, 0),        Feature::Point(2, 10, 0, 0),
+      Feature::Point(3, 5, 1e-3, 0),     Feature::Point(4, 5, -5, 0),
+      Feature::Point(5, 5, 5, 0),        Feature::Polygon(11, {{1, 4, 2}}),
+      Feature::Polygon(12, {{1, 3, 5}}), Feature::Polygon(13, {{3, 2, 5}}),
+      Feature::Polygon(14, {{1, 5, 4}}), Feature::Polygon(15, {{2, 4, 5}})};
+  EXPECT_EQ(OpenEdgesOf(slit).size(), 3U);
+  EXPECT_TRUE(MayBeClosed(OpenEdgesOf(slit), 1e-3));
+  EXPECT_FALSE(MayBeClosed(OpenEdgesOf(slit), 1e-5));
+  std::vector<Feature> hole = TetrahedronWithFlaps();
+  std::erase_if(hole, [](const Feature& f) { return f.id >= 14; });
+  EXPECT_EQ(OpenEdgesOf(hole).size(), 3U);
+  EXPECT_FALSE(MayBeClosed(OpenEdgesOf(hole), 1e-2));
+}
+
 }  // namespace
 }  // namespace dynmesh::preparation

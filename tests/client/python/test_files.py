@@ -89,6 +89,9 @@ def test_a_surface_that_a_mesh_refuses_is_mended(tmp_path):
     with pytest.raises(dynmesh.DynmeshError):
         plain = dynmesh.read_input(crossing)
         dynmesh.open(**plain.options).apply(**plain.edits)
+    assert read.facets == []
+    facets = dynmesh.read_surface(sound, facets=True).facets
+    assert sorted(facets) == sorted(read.edits["add_polygons"])
     mended = dynmesh.read_surface(crossing)
     assert mended.preparation["mended"] and mended.preparation["found"]
     assert mended.preparation["farthest"] <= mended.preparation["within"]

@@ -49,8 +49,8 @@ MeshOptions OptionsOf(const std::vector<Feature>& features) {
 std::size_t CountConflicts(const std::vector<Feature>& features) {
   std::size_t count = 0;
   plc::FindConflicts(
-      OptionsOf(features), features, [](FeatureId) { return true; },
-      [&](FeatureId, FeatureId) { ++count; });
+      OptionsOf(features), features, [](FeatureId) { return true; }, [](FeatureId) { return true; },
+      [&](FeatureId) { ++count; });
   return count;
 }
 
@@ -61,8 +61,9 @@ JoinedFaces Joined(const std::vector<Feature>& features, const io::NumberRoundin
   options.join = join;
   options.conflicts = [](const std::vector<Feature>& all,
                          const std::function<bool(FeatureId)>& is_looked_at,
-                         const std::function<void(FeatureId, FeatureId)>& found) {
-    plc::FindConflicts(OptionsOf(all), all, is_looked_at, found);
+                         const std::function<bool(FeatureId)>& is_new,
+                         const std::function<void(FeatureId)>& found) {
+    plc::FindConflicts(OptionsOf(all), all, is_looked_at, is_new, found);
   };
   return JoinFlat(features, options);
 }

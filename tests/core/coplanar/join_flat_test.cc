@@ -275,12 +275,13 @@ TEST(JoinFlat, WhatIsInConflictStaysAsItWas) {
   JoinOptions options = Within(1e-6);
   std::size_t asked = 0;
   options.conflicts = [&](const std::vector<Feature>& features, const auto& is_looked_at,
-                          const auto& found) {
+                          const auto& is_new, const auto& found) {
     ++asked;
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kPolygon || f.rings.front().size() == 3) continue;
       EXPECT_TRUE(is_looked_at(f.id));
-      found(f.id, 8);
+      EXPECT_TRUE(is_new(f.id));
+      found(f.id);
     }
   };
   const std::vector<Feature> features = Square();
@@ -294,9 +295,9 @@ TEST(JoinFlat, WhatIsInConflictStaysAsItWas) {
 // A triangle is blamed for a corner that the square has moved.
 TEST(JoinFlat, WhatHoldsAMovedCornerIsLetGo) {
   JoinOptions options = Within(1e-6);
-  options.conflicts = [&](const std::vector<Feature>&, const auto& is_looked_at,
+  options.conflicts = [&](const std::vector<Feature>&, const auto& is_looked_at, const auto&,
                           const auto& found) {
-    if (is_looked_at(8)) found(8, 5);
+    if (is_looked_at(8)) found(8);
   };
   const std::vector<Feature> features = Square();
   EXPECT_EQ(JoinFlat(features, options).features, features);
@@ -309,16 +310,65 @@ TEST(JoinFlat, ConflictsThatDoNotEndLeaveAllAsItWas) {
   features.push_back(Feature::Polygon(21, {{1, 3, 20}}));
   JoinOptions options = Within(1e-6);
   EXPECT_EQ(JoinFlat(features, options).needles, 1U);
-  options.conflicts = [&](const std::vector<Feature>& all, const auto& is_looked_at,
+  options.conflicts = [&](const std::vector<Feature>& all, const auto& is_looked_at, const auto&,
                           const auto& found) {
     for (const Feature& f : all) {
-      if (is_looked_at(f.id)) found(f.id, f.id);
+      if (is_looked_at(f.id)) found(f.id);
     }
   };
   const JoinedFaces joined = JoinFlat(features, options);
   EXPECT_EQ(PolygonsOf(joined).size(), 4U);
   EXPECT_EQ(joined.needles, 0U);
   EXPECT_EQ(joined.moved, 0U);
+}
+
+// What has not changed since the round before is not judged again.
+TEST(JoinFlat, OfALaterRoundOnlyWhatIsNewIsJudged) {
+  std::vector<Feature> features = Square();
+  for (const Feature& f : Square()) {  // another one, far away
+    Feature other = f;
+    other.id += 100;
+    other.position[0] += 10;
+    for (auto& ring : other.rings) {
+      for (FeatureId& id : ring) id += 100;
+    }
+    features.push_back(std::move(other));
+  }
+  JoinOptions options = Within(1e-6);
+  int round = 0;
+  options.conflicts = [&](const std::vector<Feature>& all, const auto& is_looked_at,
+                          const auto& is_new, const auto& found) {
+    ++round;
+    for (const Feature& f : all) {
+      if (f.kind != FeatureKind::kPolygon || f.rings.front().size() == 3) continue;
+      EXPECT_TRUE(is_looked_at(f.id));
+      EXPECT_EQ(is_new(f.id), round == 1) << f.id;
+      if (f.id < 100) found(f.id);
+    }
+    // The faces of the square that is let go.
+    if (round == 2) {
+      EXPECT_TRUE(is_new(7));
+    }
+  };
+  EXPECT_EQ(JoinFlat(features, options).polygons, 1U);
+  EXPECT_EQ(round, 2);
+}
+
+TEST(JoinFlat, NothingIsJudgedIfAllIsAccepted) {
+  JoinOptions options = Within(1e-6);
+  int asked = 0, judged = 0;
+  bool is_accepted = true;
+  options.accepts = [&](const std::vector<Feature>&) { return ++asked, is_accepted; };
+  options.conflicts = [&](const auto&, const auto&, const auto&, const auto&) { ++judged; };
+  const JoinedFaces joined = JoinFlat(Square(), options);
+  EXPECT_TRUE(joined.is_accepted);
+  EXPECT_EQ(joined.polygons, 1U);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(judged, 0);
+  is_accepted = false;
+  EXPECT_FALSE(JoinFlat(Square(), options).is_accepted);
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(judged, 1);
 }
 
 TEST(JoinFlat, WithoutJoiningOnlyWhatIsNotFlatIsCut) {
