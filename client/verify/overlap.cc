@@ -37,14 +37,14 @@ int Sign(const io::IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uin
 }
 
 // Do the insides of edges p-q and a-b cross in one point?
-bool Cross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 2>& s,
-           const std::array<std::uint32_t, 2>& t) {
+bool DoCross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 2>& s,
+             const std::array<std::uint32_t, 2>& t) {
   return Sign(mesh, s[0], s[1], t[0]) * Sign(mesh, s[0], s[1], t[1]) < 0 &&
          Sign(mesh, t[0], t[1], s[0]) * Sign(mesh, t[0], t[1], s[1]) < 0;
 }
 // Does an edge of face s pierce the inside of face t?
-bool Cross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 3>& s,
-           const std::array<std::uint32_t, 3>& t) {
+bool DoCross(const io::IndexedMesh& mesh, const std::array<std::uint32_t, 3>& s,
+             const std::array<std::uint32_t, 3>& t) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t p = s[k], q = s[(k + 1) % 3];
     if (std::ranges::count(t, p) + std::ranges::count(t, q) != 0) continue;
@@ -96,7 +96,7 @@ VerifyCheck Check(const io::IndexedMesh& mesh,
     });
     std::ranges::sort(near);
     for (const std::uint32_t j : near) {
-      if (!Cross(mesh, border[i], border[j])) continue;
+      if (!DoCross(mesh, border[i], border[j])) continue;
       findings.Add(Concat("sides of the border cross at ", VertexName(border[i][0]), " and ",
                           VertexName(border[j][0])));
     }
