@@ -6,8 +6,9 @@ scratch and interpolates. Writes RESULTS.md.
 
 Features: a disc (in 3D a ball) in which the mesh is finer; a point that is to be a vertex.
 Usual ways: dynmesh from scratch, and Gmsh, TetGen and Triangle where they are installed. Values are
-taken from the linear interpolant of the old vertices (scipy). A way is skipped if a step would take
-longer than a minute and a half, and the table says so. A complete run takes half an hour.
+those of the old mesh's linear functions, whose cells are found by walks (`walk`). A way is skipped if
+a step would take longer than a minute and a half, and the table says so. A complete run takes half an
+hour.
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from dataclasses import dataclass
 from typing import Any, TextIO
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import cKDTree
 
 import dynmesh
 from other_meshers import Arrays, Mesher, Scene, installed
@@ -36,12 +37,13 @@ What an edit costs when the program's field comes along, beside the usual way: m
 interpolate. `tests/bench/remesh_table.py` writes this page.
 
 The field is `2 + sin(5x + 1) cos(4y)`, linear between vertices (P1). A row is the median of the steps on
-a shared machine: trust ratios, not digits. There are ten steps, of the usual ways fewer where the mesh is
+a shared machine: trust ratios, not digits. Ratios are of both times together. There are ten steps, of the usual ways fewer where the mesh is
 large, and none where a step would take longer than 90 s. Ratios are to dynmesh with its transfer. Drift is
 that of the integral, relative, after all steps; the error is in L2, against the field itself. "dynmesh
 anew" meshes the same features from scratch, so it shows what the local edit saves. Gmsh is called in
 process. TetGen and Triangle are programs that read and write files, which numpy reads; to have edges as
-short they make more cells than the others. All take values by scipy's `LinearNDInterpolator`.
+short they make more cells than the others. All take values by a walk in the cells of the old mesh, from
+one at the nearest old vertex, for all new vertices at once (numpy; scipy's tree of points).
 """
 
 AFTER = """\
@@ -58,13 +60,19 @@ def field(x: np.ndarray) -> np.ndarray:
 @dataclass
 class Row:
     way: str
-    seconds: float
+    mesh: float  # seconds
+    values: float
     drift: float
     error: float
     kept: float
 
+    @property
+    def seconds(self) -> float:
+        return self.mesh + self.values
+
     def text(self, first: Row) -> str:
-        return (f"{self.way} | {1e3 * self.seconds:.4g} | {self.seconds / first.seconds:,.0f} | "
+        return (f"{self.way} | {1e3 * self.mesh:.4g} | {1e3 * self.values:.4g} | "
+                f"{self.seconds / first.seconds:,.0f} | "
                 f"{self.drift:.1e} | {self.error:.3e} | {100 * self.kept:.1f} %")
 
 
@@ -105,6 +113,47 @@ class Plain:
         return math.sqrt(total / count / measures.sum())
 
 
+def neighbours_of(cells: np.ndarray) -> np.ndarray:
+    """The cell across from each corner, or -1; as `cells`."""
+    count, corners = cells.shape
+    facets = np.concatenate([np.sort(np.delete(cells, k, axis=1), axis=1) for k in range(corners)])
+    order = np.lexsort(facets.T)
+    same = (facets[order][1:] == facets[order][:-1]).all(axis=1)
+    first, second = order[:-1][same], order[1:][same]
+    across = np.full(len(facets), -1)
+    across[first], across[second] = second % count, first % count
+    return across.reshape(corners, count).T
+
+
+def walk(old: Plain, points: np.ndarray) -> np.ndarray:
+    """The old linear function at `points`. Walks of all points at once, each from a cell at the
+    nearest old vertex, across the facet beyond which the point is farthest. A point that is outside
+    takes the value of the last cell, extrapolated."""
+    cells, d = old.cells, points.shape[1]
+    across = neighbours_of(cells)
+    cell_at = np.zeros(len(old.points), int)
+    cell_at[cells.ravel()] = np.repeat(np.arange(len(cells)), d + 1)
+    cell = cell_at[cKDTree(old.points).query(points)[1]]
+    origin = old.points[cells[:, 0]]
+    inverse = np.linalg.inv(np.swapaxes(old.points[cells[:, 1:]] - origin[:, None], 1, 2))
+    weights = np.empty((len(points), d + 1))
+    active = np.arange(len(points))
+    for _ in range(1000):
+        at = cell[active]
+        rest = np.einsum("nij,nj->ni", inverse[at], points[active] - origin[at])
+        w = np.column_stack([1 - rest.sum(axis=1), rest])
+        weights[active] = w
+        worst = w.argmin(axis=1)
+        rows = np.arange(len(active))
+        step = across[at, worst]
+        goes = (w[rows, worst] < -1e-12) & (step >= 0)
+        active = active[goes]
+        if not len(active):
+            break
+        cell[active] = step[goes]
+    return (weights * old.u[cells[cell]]).sum(axis=1)
+
+
 def scene_at(feature: str, dimension: int, edge: float, step: int) -> Scene:
     angle = 0.02 * step
     at = (0.5 + 0.2 * math.cos(angle), 0.5 + 0.2 * math.sin(angle), 0.5)[:dimension]
@@ -140,11 +189,12 @@ def by_dynmesh(feature: str, dimension: int, edge: float, steps: int) -> tuple[i
         start = time.perf_counter()
         moved = feature_of(scene_at(feature, dimension, edge, step))
         diff = mesh.apply(**{f"set_{kind}": value for kind, value in moved.items()})
+        meshed = time.perf_counter()
         diff.transfer(u, inplace=True)
-        times.append(time.perf_counter() - start)
+        times.append((meshed - start, time.perf_counter() - meshed))
         kept.append(1 - len(diff.patch.added_cells) / mesh.cell_count)
     after = compact(mesh, u)
-    return mesh.vertex_count, Row("dynmesh, transfer", float(np.median(times)),
+    return mesh.vertex_count, Row("dynmesh, transfer", *np.median(times, axis=0),
                                   abs(after.mass() / before - 1), after.error(),
                                   float(np.mean(kept)))
 
@@ -157,14 +207,13 @@ def anew(mesher: Mesher, name: str, feature: str, dimension: int, edge: float, s
     for step in range(1, steps + 1):
         start = time.perf_counter()
         points, cells = mesher(scene_at(feature, dimension, edge, step))
-        u = LinearNDInterpolator(old.points, old.u)(points)
-        outside = np.isnan(u)
-        u[outside] = field(points[outside])  # rounding at the border
-        times.append(time.perf_counter() - start)
+        meshed = time.perf_counter()
+        u = walk(old, points)
+        times.append((meshed - start, time.perf_counter() - meshed))
         new = Plain(points, cells, u)
         kept.append(len(np.intersect1d(old.keys(), new.keys())) / len(new.cells))
         old = new
-    return Row(f"{name}, interpolated", float(np.median(times)), abs(old.mass() / begin - 1), old.error(),
+    return Row(f"{name}, interpolated", *np.median(times, axis=0), abs(old.mass() / begin - 1), old.error(),
                float(np.mean(kept)))
 
 
@@ -175,8 +224,8 @@ def from_scratch(scene: Scene) -> Arrays:
 
 def write_table(file: TextIO, feature: str, steps: int, quick: bool,
                 others: dict[int, dict[str, Mesher]]) -> None:
-    print("| dimension, vertices | way | ms a step | ratio | drift of mass | L2 error | cells kept |\n"
-          "|---|---|---|---|---|---|---|", file=file)
+    print("| dimension, vertices | way | ms to mesh | ms for values | ratio | drift of mass | L2 error "
+          "| cells kept |\n|---|---|---|---|---|---|---|---|", file=file)
     for dimension, edges in SIZES.items():
         took: dict[str, tuple[float, float]] = {}  # edge and seconds of the size before
         for edge in edges[:1] if quick else edges:
@@ -197,7 +246,7 @@ def write_table(file: TextIO, feature: str, steps: int, quick: bool,
                 of = f"{dimension}D, {vertices:,}" if i == 0 else ""
                 print(f"| {of} | {row.text(first)} |", file=file)
             for name in left_out:
-                print(f"| | {name}, interpolated | left out | | | | |", file=file)
+                print(f"| | {name}, interpolated | left out | | | | | |", file=file)
             file.flush()
 
 

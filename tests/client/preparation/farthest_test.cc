@@ -29,7 +29,7 @@ std::vector<Feature> SegmentsOf(const std::vector<std::array<Place, 2>>& segment
   return features;
 }
 
-std::vector<Feature> TrianglesOf(const std::vector<std::array<Place, 3>>& triangles) {
+std::vector<Feature> PolygonsOf(const std::vector<std::array<Place, 3>>& triangles) {
   std::vector<Feature> features;
   FeatureId id = 0;
   for (const auto& corners : triangles) {
@@ -105,8 +105,8 @@ TEST(FarthestBound, OfRandomSegmentsIsThatOfSamples) {
 }
 
 TEST(FarthestBound, OfAFaceThatIsLifted) {
-  const auto flat = TrianglesOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}});
-  const auto lifted = TrianglesOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.001}}}});
+  const auto flat = PolygonsOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}});
+  const auto lifted = PolygonsOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.001}}}});
   const auto bound = FarthestBound(lifted, flat, 3, 1e-9, 0.01);
   ASSERT_TRUE(bound);
   EXPECT_GE(*bound, 0.001);
@@ -115,15 +115,15 @@ TEST(FarthestBound, OfAFaceThatIsLifted) {
 }
 
 TEST(FarthestBound, PartsOfAFaceAreOnIt) {
-  const auto whole = TrianglesOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}});
-  const auto parts = TrianglesOf({{{{0, 0, 0}, {1, 0, 0}, {0.25, 0.25, 0}}},
-                                  {{{1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}},
-                                  {{{0, 1, 0}, {0, 0, 0}, {0.25, 0.25, 0}}}});
+  const auto whole = PolygonsOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}});
+  const auto parts = PolygonsOf({{{{0, 0, 0}, {1, 0, 0}, {0.25, 0.25, 0}}},
+                                 {{{1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}},
+                                 {{{0, 1, 0}, {0, 0, 0}, {0.25, 0.25, 0}}}});
   const auto bound = FarthestBound(whole, parts, 3, 1e-9, 1e-6);
   ASSERT_TRUE(bound);
   EXPECT_LE(*bound, 2e-9);
   EXPECT_FALSE(
-      FarthestBound(whole, TrianglesOf({{{{0, 0, 0}, {1, 0, 0}, {0.25, 0.25, 0}}}}), 3, 1e-9, 0.1));
+      FarthestBound(whole, PolygonsOf({{{{0, 0, 0}, {1, 0, 0}, {0.25, 0.25, 0}}}}), 3, 1e-9, 0.1));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ using Q = CGAL::Exact_rational;
 int SignOf(const Q& q) { return q > 0 ? 1 : q < 0 ? -1 : 0; }
 Q X(const Point2& p) { return Q(p[0]); }
 Q Y(const Point2& p) { return Q(p[1]); }
-Q Cross(const Point2& o, const Point2& a, const Point2& b) {
+Q SlowCross(const Point2& o, const Point2& a, const Point2& b) {
   return (X(a) - X(o)) * (Y(b) - Y(o)) - (Y(a) - Y(o)) * (X(b) - X(o));
 }
 Q Square(const Point2& o, const Point2& a) {
@@ -35,11 +35,11 @@ int InCircleSign(const Point2& a, const Point2& b, const Point2& c, const Point2
   return sign != internal::kUnsure ? sign : internal::InCircleExact(a, b, c, d);
 }
 int SlowOrientation(const Point2& a, const Point2& b, const Point2& c) {
-  return SignOf(Cross(a, b, c));
+  return SignOf(SlowCross(a, b, c));
 }
 int SlowInCircle(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
-  return SignOf(Square(d, a) * Cross(d, b, c) - Square(d, b) * Cross(d, a, c) +
-                Square(d, c) * Cross(d, a, b));
+  return SignOf(Square(d, a) * SlowCross(d, b, c) - Square(d, b) * SlowCross(d, a, c) +
+                Square(d, c) * SlowCross(d, a, b));
 }
 int SlowDiametral(const Point2& a, const Point2& b, const Point2& x) {
   return SignOf((X(a) - X(x)) * (X(b) - X(x)) + (Y(a) - Y(x)) * (Y(b) - Y(x)));
