@@ -1,8 +1,8 @@
 // ComputeNN: the bucket of a vertex's first Complete, that of its nearest neighbour's distance.
 //
-// Any neighbour in that bucket will do, so a search ends at the bucket's least distance: of many
-// vertices that are equally far, as on a circle about v, it looks at a few. The thesis asks later,
-// at a lower bound of the distance (Fig. 4.7, line 7), for the same end.
+// Only the bucket decides. So where very many vertices are in that bucket, as on a circle about v,
+// a search ends at the bucket's least distance. The thesis asks later instead, at a lower bound of
+// the distance (Fig. 4.7, line 7).
 #ifndef DYNMESH_CORE_MESHING_NEAREST_H_
 #define DYNMESH_CORE_MESHING_NEAREST_H_
 
@@ -37,11 +37,13 @@ class NearestWork {
   std::uint64_t looked_at() const { return looked_at_; }
 
  private:
+  static constexpr int kMany = 64;
+
   struct Near {
     double d2 = INFINITY;  // squared distance
     VertexIndex v = kNil;
   };
-  // Any vertex in the bucket of the nearest.
+  // The nearest of the first kMany vertices found in its bucket.
   Near Find(const Context& context, VertexIndex v);
   void FindAll();
 
@@ -82,11 +84,15 @@ typename NearestWork<D, E>::Near NearestWork<D, E>::Find(const Context& context,
   }
   Near best;
   double r2 = INFINITY;
+  int bucket = kBuckets, found = 0;  // the bucket of `best`, and how many were found in it
   complex_.tree.VisitBall(complex_.vertex(v).p, r2, [&](std::uint32_t id, const Point&, double d2) {
     ++looked_at_;
-    if (id == v || d2 >= r2 || !context.Sees(complex_.vertex(id).birth)) return;
-    best = {d2, id};
-    r2 = LeastOfBucket(BucketOf(d2));
+    const int its = BucketOf(d2);
+    if (id == v || its > bucket || !context.Sees(complex_.vertex(id).birth)) return;
+    found = its < bucket ? 1 : found + 1;
+    bucket = its;
+    if (d2 < best.d2) best = {d2, id};
+    r2 = found < kMany ? EndOfBucket(bucket) : LeastOfBucket(bucket);
   });
   return best;
 }

@@ -88,7 +88,7 @@ class ReadFilter {
   using Corner = typename CornerSet<D>::Corner;  // by its neighbours
 
   // v is at most as far as the bucket of the nearest vertex. There may be very many in that bucket:
-  // the one read stands for all.
+  // the one read stands for all. Conservative: the bucket may stay.
   bool NearestMatters(sac::OpId op, VertexIndex v, bool appears) const;
   // True if v, in the region that `op` read, may change the operation's result. A vertex of
   // refinement in the ball of the sliver itself is not tested: the sliver is gone then, and its
@@ -169,8 +169,8 @@ bool ReadFilter<D, E>::NearestMatters(sac::OpId op, VertexIndex v, bool appears)
     if (reads.empty()) return true;
     if (!appears) return reads[0] == v;
     const Point& p = complex_.vertex(engine_.item(op)).p;
-    return BucketOf(geometry::SquaredDistance(p, complex_.vertex(v).p)) <
-           BucketOf(geometry::SquaredDistance(p, complex_.vertex(reads[0]).p));
+    return geometry::SquaredDistance(p, complex_.vertex(v).p) <
+           geometry::SquaredDistance(p, complex_.vertex(reads[0]).p);
   }
   return false;
 }
