@@ -202,9 +202,8 @@ bool PatchRules::KeepsChain(const PatchChange& change) const {
   // All points of the chain are near if its nodes are; and the edge is near the chain, which goes
   // from end to end through every plane that is square to the edge.
   const auto is_near = [&](Node n) {
-    const Point3 d = Minus(mesh_.at(w), mesh_.at(u));
-    const double t = std::clamp(Dot(d, Minus(mesh_.at(n), mesh_.at(u))) / Dot(d, d), 0.0, 1.0);
-    return SquaredDistance<3>(Along(mesh_.at(u), t, d), mesh_.at(n)) <=
+    const Point3& p = mesh_.at(n);
+    return SquaredDistance<3>(FootOn(mesh_.at(u), mesh_.at(w), p), p) <=
            limits_.within * limits_.within;
   };
   if (!is_near(v)) return false;

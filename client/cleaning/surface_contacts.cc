@@ -392,9 +392,7 @@ bool IsOver(const Surface& surface, const Simplex& face, const Point3& p) {
 }
 
 Point3 FootOn(const Surface& surface, NodePair edge, const Point3& p) {
-  const Point3& a = surface.at(edge.first);
-  const Point3 d = Minus(surface.at(edge.second), a);
-  return Along(a, std::clamp(Dot(d, Minus(p, a)) / Dot(d, d), 0.0, 1.0), d);
+  return FootOn(surface.at(edge.first), surface.at(edge.second), p);
 }
 
 bool AreCoplanar(const Surface& surface, const Simplex& s, const Simplex& t) {

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CLIENT_CLEANING_VECTORS3_H_
 #define DYNMESH_CLIENT_CLEANING_VECTORS3_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -22,6 +23,17 @@ inline Point3 Cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 inline Point3 Opposite(const Point3& v) { return {-v[0], -v[1], -v[2]}; }
+// The parameter in [0, 1] of the point of segment ab, a + t (b - a), that is nearest to p; 0 if a =
+// b.
+inline double NearestAlong(const Point3& a, const Point3& b, const Point3& p) {
+  const Point3 d = Minus(b, a);
+  const double length2 = Dot(d, d);
+  return length2 > 0 ? std::clamp(Dot(d, Minus(p, a)) / length2, 0.0, 1.0) : 0;
+}
+// That point.
+inline Point3 FootOn(const Point3& a, const Point3& b, const Point3& p) {
+  return Along(a, NearestAlong(a, b, p), Minus(b, a));
+}
 inline Point3 UnitOf(const Point3& v) {
   const double length = std::sqrt(Dot(v, v));
   return {v[0] / length, v[1] / length, v[2] / length};

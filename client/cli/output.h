@@ -31,9 +31,7 @@ struct OutputFlags {
 };
 
 // -o, --order, --msh-version, --binary, --zero-based, --neighbours, --voronoi and --same-name for
-// meshes, and
-// --fill --crop
-// --cut --clip --legend --width for pictures.
+// meshes, and --fill, --crop, --cut, --clip, --legend and --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 
 // The options of a picture. `highlighting`: it highlights simplices.

@@ -53,15 +53,8 @@ std::vector<Edge> EdgesOf(const std::vector<Feature>& features) {
   return edges;
 }
 
-// The parameter on the edge, in [0, 1], of the point nearest to p.
-double NearestOn(const Edge& edge, const Point3& p) {
-  const Point3 along = Minus(edge[1], edge[0]);
-  return std::clamp(Dot(along, Minus(p, edge[0])) / Dot(along, along), 0.0, 1.0);
-}
-
 double SquaredDistanceTo(const Edge& edge, const Point3& p) {
-  return cleaning::SquaredDistance<3>(p,
-                                      Along(edge[0], NearestOn(edge, p), Minus(edge[1], edge[0])));
+  return cleaning::SquaredDistance<3>(p, cleaning::FootOn(edge[0], edge[1], p));
 }
 
 bool IsWithin(const Edge& edge, std::span<const Edge> targets, double distance) {
@@ -84,7 +77,7 @@ bool IsWithin(const Edge& edge, std::span<const Edge> targets, double distance) 
     if (is_near(s) && is_near(t)) continue;
     double cut = middle;  // where the target ends, if that is in between
     for (const Point3& end : *nearest) {
-      const double at = NearestOn(edge, end);
+      const double at = cleaning::NearestAlong(edge[0], edge[1], end);
       if (at > s && at < t && !(is_near(s) && at < middle) && !(is_near(t) && at > middle)) {
         cut = at;
       }

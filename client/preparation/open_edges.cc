@@ -28,14 +28,9 @@ bool IsPolygon(const Feature& f) { return Is<APolygon>(f, Not<APoint, ASegment, 
 
 // The squared distance of the middle of an edge to another one.
 double SquaredDistanceTo(const OpenEdge& other, const OpenEdge& edge) {
-  using cleaning::Dot;
   const cleaning::Point3 middle =
       cleaning::Along(edge.at_p, 0.5, cleaning::Minus(edge.at_q, edge.at_p));
-  const cleaning::Point3 d = cleaning::Minus(other.at_q, other.at_p);
-  const double length2 = Dot(d, d);
-  const double t = length2 > 0 ? Dot(d, cleaning::Minus(middle, other.at_p)) / length2 : 0;
-  const cleaning::Point3 foot = cleaning::Along(other.at_p, std::clamp(t, 0.0, 1.0), d);
-  return cleaning::SquaredDistance<3>(middle, foot);
+  return cleaning::SquaredDistance<3>(middle, cleaning::FootOn(other.at_p, other.at_q, middle));
 }
 
 void DropUnusedPoints(std::vector<Feature>& features) {

@@ -20,8 +20,8 @@ std::vector<PolygonPart> TrianglesOf(const std::vector<Feature>& features) {
   }
   const cleaning::ToleranceField field(size > 0 ? size : 1);  // not used here
   cleaning::Surface surface(field);
-  std::vector<std::pair<cleaning::Point3, FeatureId>>
-      points;  // nodes are in the order of coordinates there
+  // Nodes are in the order of coordinates there.
+  std::vector<std::pair<cleaning::Point3, FeatureId>> points;
   for (const Feature& f : features) {
     if (IsPoint(f)) points.emplace_back(f.position, f.id);
   }
