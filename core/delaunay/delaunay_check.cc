@@ -1,5 +1,6 @@
-// The checker of DelaunayTriangulation, for tests: every invariant by its definition.
+// The checkers of 2D triangulations, for tests: every invariant by its definition.
 #include "core/delaunay/check_failure.h"
+#include "core/delaunay/constrained_triangulation.h"
 #include "core/delaunay/delaunay_triangulation.h"
 #include "core/geometry/predicates.h"
 
@@ -8,6 +9,11 @@ namespace dynmesh::delaunay {
 using geometry::Point2;
 
 bool DelaunayTriangulation::Check(std::string* why) const {
+  return CheckBut([](Corner) { return false; }, why);
+}
+
+bool DelaunayTriangulation::CheckBut(absl::FunctionRef<bool(Corner)> is_fixed,
+                                     std::string* why) const {
   std::size_t infinite = 0, unused = 0;
   for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
     if (triangles_[t].IsUnused()) {
@@ -15,7 +21,7 @@ bool DelaunayTriangulation::Check(std::string* why) const {
       continue;
     }
     infinite += IsInfinite(t);
-    if (!CheckTriangle(t, why)) return false;
+    if (!CheckTriangle(t, is_fixed, why)) return false;
   }
   if (infinite != hull_count_) {
     return Fail(why, infinite, " infinite triangles, counted ", hull_count_);
@@ -35,7 +41,8 @@ bool DelaunayTriangulation::Check(std::string* why) const {
   return CheckVertices(why);
 }
 
-bool DelaunayTriangulation::CheckTriangle(SimplexIndex t, std::string* why) const {
+bool DelaunayTriangulation::CheckTriangle(SimplexIndex t, absl::FunctionRef<bool(Corner)> is_fixed,
+                                          std::string* why) const {
   const Triangle& triangle = triangles_[t];
   for (int i = 0; i < 3; ++i) {
     const VertexIndex v = triangle.v[i];
@@ -53,7 +60,7 @@ bool DelaunayTriangulation::CheckTriangle(SimplexIndex t, std::string* why) cons
     // Locally Delaunay everywhere implies Delaunay. For infinite triangles this says that the hull
     // is convex. The cached circle must agree with the exact test.
     const VertexIndex apex = other[across.index];
-    if (apex == kInfinite) continue;
+    if (apex == kInfinite || is_fixed({t, i})) continue;
     const Point2& p = points_[apex];
     if (ConflictsExactly(triangle, p) || Conflicts(t, p)) {
       return Fail(why, "triangle ", t, " has vertex ", apex, " inside its circle");
@@ -98,6 +105,25 @@ bool DelaunayTriangulation::CheckVertices(std::string* why) const {
     return Fail(why, "the stars have ", corners, " corners");
   }
   return true;
+}
+
+bool ConstrainedTriangulation::Check(std::string* why) const {
+  if (segment_count_ == 0) return DelaunayTriangulation::Check(why);
+  std::size_t sides = 0;
+  for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
+    if (triangles_[t].IsUnused()) continue;
+    if (marks_[t] > 7) return Fail(why, "triangle ", t, " is marked as touched");
+    for (int i = 0; i < 3; ++i) {
+      sides += IsSegment(Corner{t, i});
+      if (IsSegment(Corner{t, i}) != IsSegment(Opposite({t, i}))) {
+        return Fail(why, "triangle ", t, " and its neighbour disagree on the segment at ", i);
+      }
+    }
+  }
+  if (sides != 2 * segment_count_) {
+    return Fail(why, sides, " sides of segments, of ", segment_count_, " segments");
+  }
+  return CheckBut([&](Corner c) { return IsSegment(c); }, why);
 }
 
 }  // namespace dynmesh::delaunay

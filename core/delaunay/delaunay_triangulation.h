@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "core/delaunay/triangle_table.h"
 #include "core/geometry/point.h"
 
@@ -74,7 +75,7 @@ class DelaunayTriangulation : public TriangleTable {
   bool Check(std::string* why) const;
   std::size_t bytes() const;
 
- private:
+ protected:
   // An edge a->b of the rim of a hole, with the hole on its left, and the corner that faces it from
   // outside.
   struct RimEdge {
@@ -82,6 +83,22 @@ class DelaunayTriangulation : public TriangleTable {
     Code outside;
   };
 
+  void FillCavityFrom(VertexIndex v, const geometry::Point2& p);
+  // The first step of a removal.
+  void OpenHole(VertexIndex v);
+  SimplexIndex TakeSlot();
+  // As Check, but not across edges that may be flat: those with `is_fixed(c)` for the corner c
+  // opposite to them.
+  bool CheckBut(absl::FunctionRef<bool(Corner)> is_fixed, std::string* why) const;
+
+  std::vector<SimplexIndex> created_;
+  std::vector<std::array<VertexIndex, 3>> deleted_;
+  std::vector<std::uint64_t> deleted_tags_;
+  // Reused from call to call to avoid allocation.
+  std::vector<SimplexIndex> cavity_;
+  std::vector<RimEdge> rim_;
+
+ private:
   // A chain rim_[first..last] (by its vertices a) that is still to be filled, and the corner that
   // faces its closing edge last->first.
   struct Gap {
@@ -92,29 +109,21 @@ class DelaunayTriangulation : public TriangleTable {
   SimplexIndex LocateFrom(const geometry::Point2& p, SimplexIndex start) const;
   // Fills cavity_ with the triangles in conflict with p and rim_ with the edges around them.
   void FindCavity(const geometry::Point2& p, SimplexIndex start);
-  void FillCavityFrom(VertexIndex v, const geometry::Point2& p);
 
   // Removal, in delaunay_removal.cc.
-  void OpenHole(VertexIndex v);
   void CloseHullGap();
   void FillHoleByScanning();
   std::size_t FindApex(const Gap& gap) const;
   void FillHoleByTriangulating(const geometry::Point2& removed);
-  SimplexIndex TakeSlot();
 
   // Checks, in delaunay_check.cc.
-  bool CheckTriangle(SimplexIndex t, std::string* why) const;
+  bool CheckTriangle(SimplexIndex t, absl::FunctionRef<bool(Corner)> is_fixed,
+                     std::string* why) const;
   bool CheckVertices(std::string* why) const;
 
   std::array<VertexIndex, 4> corners_ = {};
 
-  std::vector<SimplexIndex> created_;
-  std::vector<std::array<VertexIndex, 3>> deleted_;
-  std::vector<std::uint64_t> deleted_tags_;
-
   // Reused from call to call to avoid allocation.
-  std::vector<SimplexIndex> cavity_;
-  std::vector<RimEdge> rim_;
   std::vector<Code> stack_;
   std::vector<Gap> gaps_;
 };
