@@ -136,9 +136,13 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option(
           "--kind", flags.kind,
-          "A Delaunay mesh, or a size-conforming quadtree (in 3D octree), which has none of "
-          "--rho, --criterion, --hmax and --min-dihedral (default: delaunay)")
-      ->type_name("delaunay|quadtree");
+          "A quality Delaunay mesh; a size-conforming quadtree (in 3D octree); or in 2D a "
+          "constrained Delaunay triangulation. The last two have none of --rho, --criterion, "
+          "--hmax and --min-dihedral (default: delaunay)")
+      ->type_name("delaunay|quadtree|triangulation");
+  command.add_flag("--no-refine", flags.no_refine,
+                   "In 2D: only points and segments as they are, no Steiner points; as --kind "
+                   "triangulation");
   command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
@@ -215,7 +219,9 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
         std::tuple{"max_edge", "--hmax", flags.max_edge.has_value()},
         std::tuple{"min_dihedral", "--min-dihedral", flags.min_dihedral.has_value()},
         std::tuple{"criterion", "--criterion", !flags.criterion.empty()},
-        std::tuple{"kind", "--kind", !flags.kind.empty()}, std::tuple{"engine", "--engine", true},
+        std::tuple{"kind", flags.no_refine ? "--no-refine" : "--kind",
+                   flags.no_refine || !flags.kind.empty()},
+        std::tuple{"engine", "--engine", true},
         std::tuple{"limits.max_vertices", "--max-vertices", flags.max_vertices.has_value()}}) {
     if (name == option && is_given) word = flag;
   }
@@ -267,8 +273,13 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options, MeshLi
   }
   // SVR has no cures.
   if (flags.engine == "svr" && !flags.min_dihedral) options.min_dihedral = 0;
-  if (!flags.kind.empty()) {
-    const absl::StatusOr<MeshKind> kind = io::ParseMeshKind(flags.kind);
+  if (flags.no_refine && !flags.kind.empty() && flags.kind != "triangulation") {
+    return absl::InvalidArgumentError(
+        "--no-refine: is --kind triangulation; leave out the other --kind");
+  }
+  if (!flags.kind.empty() || flags.no_refine) {
+    const absl::StatusOr<MeshKind> kind =
+        flags.no_refine ? MeshKind::kTriangulation : MeshKindOf(flags.kind);
     if (!kind.ok()) return Flag("--kind", kind.status());
     if (*kind != options.kind) {
       MeshOptions usual;

@@ -20,6 +20,7 @@ namespace dynmesh::cli {
 
 struct MeshFlags {
   std::string kind;
+  bool no_refine = false;
   std::optional<double> rho;
   std::string criterion;
   std::string engine = "dynamic";
@@ -32,7 +33,8 @@ struct MeshFlags {
 // The value of a --box in 2D or 3D.
 inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
 
-// --kind --rho --criterion --engine --box --hmax --min-dihedral --max-vertices, and --min-angle,
+// --kind --no-refine --rho --criterion --engine --box --hmax --min-dihedral --max-vertices, and
+// --min-angle,
 // --max-area and --max-volume for --rho and --hmax
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 

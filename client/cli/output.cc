@@ -228,6 +228,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   output.files.voronoi = flags.voronoi;
   output.files.is_part = labels.is_part;
   output.files.rho = options.quality;
+  output.files.is_triangulation = options.kind == MeshKind::kTriangulation;
   output.files.min_dihedral = options.min_dihedral;
   output.files.holes = labels.holes;
   for (const std::string& path : flags.paths) {

@@ -32,6 +32,7 @@ struct VerifyCommand {
   std::optional<double> rho, min_dihedral;
   bool lfs = false;
   bool part = false;
+  bool no_refine = false;
   bool foreign = false;
   bool json = false;
 };
@@ -175,6 +176,7 @@ absl::StatusOr<JudgedMesh> ReadJudgedMesh(const VerifyCommand& command) {
     return mesh;
   }
   static_cast<io::MeshFiles&>(mesh) = *std::move(files);
+  mesh.is_triangulation |= command.no_refine;
   if (command.part || mesh.is_part || mesh.has_input_markers) mesh.scope = MeshScope::kPart;
   return mesh;
 }
@@ -239,6 +241,9 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
       ->required();
   sub->add_flag("--part", command->part,
                 "The mesh does not fill a box (default: what its comments say)");
+  sub->add_flag("--no-refine", command->no_refine,
+                "The mesh is a constrained Delaunay triangulation without Steiner points, and no "
+                "angle is judged but by --rho (default: what its comments say)");
   sub->add_flag(
       "--foreign", command->foreign,
       Concat("The mesh is another mesher's: it must be a mesh, and good enough if --rho is given "

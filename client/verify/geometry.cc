@@ -1,6 +1,11 @@
 // The checks that need exact predicates: CGAL's kernel decides.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <set>
+#include <utility>
+
 #include "client/verify/verify_internal.h"
 #include "core/base/text.h"
 
@@ -45,10 +50,17 @@ VerifyCheck CheckOrientation(const io::IndexedMesh& mesh) {
   return findings.Take();
 }
 
-VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides) {
+VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
+                          bool is_constrained) {
   Findings findings("delaunay");
+  std::set<std::pair<std::uint32_t, std::uint32_t>> walls;
+  if (is_constrained) {
+    for (const io::IndexedMesh::Edge& edge : mesh.edges) {
+      if (edge.owner != kNoFeature) walls.insert(std::minmax(edge.a, edge.b));
+    }
+  }
   ForEachEdge(sides, [&](const Side* side, std::size_t count) {
-    if (count != 2) return;
+    if (count != 2 || walls.contains({side->a, side->b})) return;
     const auto& t = mesh.triangles[side[0].triangle];
     const std::uint32_t across = mesh.triangles[side[1].triangle][(side[1].k + 2U) % 3];
     if (!IsCounterClockwise(mesh, t)) return;  // without a circle; reported elsewhere

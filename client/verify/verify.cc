@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "client/verify/verify_internal.h"
 #include "core/base/feature_kinds.h"
@@ -115,17 +116,18 @@ bool VerifyReport::Passed() const {
 namespace {
 
 void CheckPlane(const io::MeshFiles& files, double rho, const std::vector<Feature>* features,
-                MeshScope scope, VerifyReport& report) {
+                MeshScope scope, bool judges_rho, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
   const std::vector<Side> sides = CollectSides(mesh);
   const bool is_whole = scope == MeshScope::kWhole;
   report.checks.push_back(CheckManifold(mesh, sides, is_whole));
   report.checks.push_back(is_whole ? CheckBox(mesh, sides) : CheckOverlap(mesh, sides));
-  report.checks.push_back(CheckDelaunay(mesh, sides));
+  report.checks.push_back(CheckDelaunay(mesh, sides, files.is_triangulation));
   if (scope != MeshScope::kForeign) {
     report.checks.push_back(CheckEdges(files, EdgesOf(sides), is_whole));
   }
-  report.checks.push_back(CheckQuality(mesh, rho, report, features));
+  VerifyCheck quality = CheckQuality(mesh, rho, report, features);
+  if (!files.is_triangulation || judges_rho) report.checks.push_back(std::move(quality));
 }
 
 void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, double rho,
@@ -199,7 +201,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
     CheckSpace(files, faces, rho, scope, report);
     if (min_dihedral) report.checks.push_back(CheckDihedral(mesh, *min_dihedral, report));
   } else {
-    CheckPlane(files, rho, features, scope, report);
+    CheckPlane(files, rho, features, scope, judges_rho, report);
   }
   if (scope == MeshScope::kForeign) {
     ForgiveForeign(judges_rho, report);

@@ -11,7 +11,8 @@
 //   box          the border is a rectangle, traversed once. With the two checks above: the
 //                triangles cover it once, without gap or overlap
 //   delaunay     no vertex inside the circle of a triangle beyond one of its edges, exactly; by
-//                Delaunay's lemma then none inside any circle
+//                Delaunay's lemma then none inside any circle. Of a triangulation without Steiner
+//                points subsegments block the view: the other edges are tested
 //   edges        the .edge file has every edge once and no other; -1 marks exactly the border's
 //                edges and vertices
 //   quality      no triangle over rho, except exempt ones
@@ -100,7 +101,8 @@ struct VerifyReport {
   bool Passed() const;
 };
 
-// `rho` is measured against; of a foreign mesh it is judged only if `judges_rho`. `features`: the
+// `rho` is measured against; of a foreign mesh and of kind triangulation it is judged only if
+// `judges_rho`. `features`: the
 // mesh's input; null: unknown. `min_dihedral`: in 3D, the least dihedral angle in degrees, 0 to 20;
 // none: no such check. O(n lg n).
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,

@@ -133,7 +133,9 @@ VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& 
                           bool is_whole = true);
 VerifyCheck CheckOverlap(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
-VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
+// `is_constrained`: subsegments block the view across them.
+VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
+                          bool is_constrained);
 // Also fills the measures of `report`. `features`: for what unsplit segments excuse; null: unknown.
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report,
                          const std::vector<Feature>* features = nullptr);

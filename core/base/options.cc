@@ -17,6 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/root_cube.h"
 #include "core/base/rounding.h"
+#include "core/base/text.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -118,19 +119,19 @@ std::uint64_t LeastVertices(const MeshOptions& options) {
 
 }  // namespace
 
-// Those that only a Delaunay mesh has.
-absl::Status ValidateQuadtree(const MeshOptions& options) {
-  const auto refuse = [](const char* field, double value, double only) {
+// Those that only a mesh of kind delaunay has. `what`: the other kind, with its article.
+absl::Status RefuseQuality(const MeshOptions& options, const char* what) {
+  const auto refuse = [&](const char* field, double value, double only) {
     return BadOption(absl::StrCat(field, ": ", Shortest(value),
                                   " is for meshes of kind delaunay; leave it at ", Shortest(only),
-                                  " for a quadtree"));
+                                  " for ", what));
   };
   if (const double usual = DefaultQuality(options.dimension); options.quality != usual) {
     return refuse("quality", options.quality, usual);
   }
   if (options.criterion != Criterion::kEdge) {
-    return BadOption(
-        "criterion: thesis is for meshes of kind delaunay; leave it at edge for a quadtree");
+    return BadOption(absl::StrCat(
+        "criterion: thesis is for meshes of kind delaunay; leave it at edge for ", what));
   }
   if (options.max_edge != 0) return refuse("max_edge", options.max_edge, 0);
   if (options.min_dihedral != 0) return refuse("min_dihedral", options.min_dihedral, 0);
@@ -142,10 +143,35 @@ absl::Status ValidateKind(const MeshOptions& options) {
     case MeshKind::kDelaunay:
       return absl::OkStatus();
     case MeshKind::kQuadtree:
-      return ValidateQuadtree(options);
+      return RefuseQuality(options, "a quadtree");
+    case MeshKind::kTriangulation:
+      if (options.dimension != 2) {
+        return BadOption("kind: triangulation is for meshes of dimension 2; choose delaunay");
+      }
+      return RefuseQuality(options, "a triangulation");
   }
-  return BadOption(
-      absl::StrCat("kind: ", static_cast<int>(options.kind), " is neither delaunay nor quadtree"));
+  return BadOption(absl::StrCat("kind: ", static_cast<int>(options.kind),
+                                " is none of delaunay, quadtree, triangulation"));
+}
+
+std::string_view NameOf(MeshKind kind) {
+  switch (kind) {
+    case MeshKind::kDelaunay:
+      return "delaunay";
+    case MeshKind::kQuadtree:
+      return "quadtree";
+    case MeshKind::kTriangulation:
+      return "triangulation";
+  }
+  return "?";
+}
+
+absl::StatusOr<MeshKind> MeshKindOf(std::string_view name) {
+  for (const MeshKind kind : {MeshKind::kDelaunay, MeshKind::kQuadtree, MeshKind::kTriangulation}) {
+    if (name == NameOf(kind)) return kind;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "a kind of mesh is delaunay, quadtree or triangulation, found ", text::Quoted(name)));
 }
 
 absl::Status ValidateOptions(const MeshOptions& options) {

@@ -34,6 +34,11 @@ class ConstrainedTriangulation : public DelaunayTriangulation {
  public:
   // As DelaunayTriangulation's. REQUIRES: p is on no segment, unless that is a side of the box.
   void Insert(VertexIndex v, const geometry::Point2& p, VertexIndex near);
+  // As DelaunayTriangulation's.
+  SimplexIndex Locate(const geometry::Point2& p, VertexIndex near) const {
+    return segment_count_ == 0 ? DelaunayTriangulation::Locate(p, near)
+                               : LocateAmongSegments(p, near);
+  }
   // As DelaunayTriangulation's. REQUIRES: no segment ends at v; while there are segments, v is not
   // on a side of the box.
   void Remove(VertexIndex v);

@@ -86,7 +86,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
 
   meter.Begin(ApplyProgress::Stage::kRefine);
   Steps steps(interrupt);
-  DiffBuilder<D> diffs;
+  DiffBuilder<D> diffs(options.kind);
   FeatureTable<D> table;
   Mesher<D> mesher(options, &diffs.triangulation());
   mesher.Add(*delta, table, steps);

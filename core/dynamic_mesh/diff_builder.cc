@@ -109,6 +109,7 @@ Mesh DiffBuilder<D>::Begin(Source& mesher, const FeatureTable<D>& features, Step
   });
   FillTriangulation(elements, missing, steps);
   if (triangulation_.is_full()) return {};
+  if (!steps.stopped()) ConstrainTriangulation(elements);
   for (std::span<const VertexIndex> rest = all; !rest.empty() && !steps.Stop(Steps::kBetween);) {
     const std::size_t count = std::min(rest.size(), Steps::kBetween);
     names_.AddAll(rest.first(count),
@@ -167,6 +168,14 @@ void DiffBuilder<D>::FillTriangulation(const Elements& elements, std::vector<Ver
       for (const VertexIndex v : part) points.push_back(elements.vertex(v).p);
       triangulation_.InsertAll(part, points);
     }
+  }
+}
+
+template <int D>
+void DiffBuilder<D>::ConstrainTriangulation(const Elements& elements) {
+  if constexpr (D == 2) {
+    if (!is_constrained_) return;
+    elements.ForEachSubsegment([&](const Subsegment& s) { triangulation_.AddSegment(s.a, s.b); });
   }
 }
 
@@ -254,11 +263,22 @@ void DiffBuilder<D>::UpdateNames(const Elements& elements) {
   renamed_.Close([this](VertexIndex v) { return names_.at(v); });
 }
 
-// Removals first: an added vertex may have the same coordinates.
+// Removals first: an added vertex may have the same coordinates. Segments have their ends among the
+// vertices.
 template <int D>
 void DiffBuilder<D>::UpdateTriangulation(const Source& mesher) {
   simplices_.Clear();
   fresh_.clear();
+  [[maybe_unused]] const auto for_each_segment = [&](const std::vector<SubsegmentIndex>& segments,
+                                                     auto change) {
+    if (!is_constrained_) return;
+    for (const SubsegmentIndex i : segments) {
+      const Subsegment& s = mesher.elements().subsegment(i);
+      (triangulation_.*change)(s.a, s.b);
+      RecordSimplices();
+    }
+  };
+  if constexpr (D == 2) for_each_segment(subsegments_.gone, &Triangulation::RemoveSegment);
   for (const VertexIndex v : vertices_.gone) {
     triangulation_.Remove(v);
     RecordSimplices();
@@ -268,6 +288,7 @@ void DiffBuilder<D>::UpdateTriangulation(const Source& mesher) {
     InsertVertex(mesher, v);
     RecordSimplices();
   }
+  if constexpr (D == 2) for_each_segment(subsegments_.come, &Triangulation::AddSegment);
   // Some were removed again, some indices were reused.
   std::erase_if(fresh_, [&](auto t) { return triangulation_.IsInfinite(t); });
   std::sort(fresh_.begin(), fresh_.end());

@@ -1,7 +1,8 @@
 // From changes of a mesher to a MeshDiff. Keeps the Delaunay triangulation of the vertices
 // present, their public ids and the hash of the mesh. Nets each propagation into a diff.
 //
-// The triangulation is a function of the vertex set, so it is outside the trace: the few vertices
+// The triangulation is a function of the vertices, or of vertices and subsegments (MeshKind), so it
+// is outside the trace: the few vertices
 // of a propagation are inserted and removed, O(degree) each. That is cheaper by an order of
 // magnitude than a star operation per vertex. A run from scratch reads its neighbourhoods from it.
 //
@@ -20,10 +21,12 @@
 #include <compare>
 #include <cstdint>
 #include <initializer_list>
+#include <type_traits>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "core/base/steps.h"
+#include "core/delaunay/constrained_triangulation.h"
 #include "core/delaunay/triangulation_of.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
@@ -42,12 +45,18 @@ class DiffBuilder {
  public:
   using Source = meshing::MeshSource<D>;
   using Elements = meshing::ElementStore<D>;
-  using Triangulation = delaunay::TriangulationOf<D>;
+  // Without segments the constrained one is the Delaunay triangulation.
+  using Triangulation =
+      std::conditional_t<D == 2, delaunay::ConstrainedTriangulation, delaunay::TriangulationOf<D>>;
   using Labels = RegionLabels<D>;
   using Simplex = typename Triangulation::SimplexIndex;
 
-  explicit DiffBuilder(VertexHash vertex_hash = &VertexIdAt)
-      : names_(vertex_hash), labels_(&triangulation_) {}
+  // `kind`: kDelaunay, whose subsegments are edges of the Delaunay triangulation; or
+  // kTriangulation, whose subsegments constrain it.
+  explicit DiffBuilder(MeshKind kind = MeshKind::kDelaunay, VertexHash vertex_hash = &VertexIdAt)
+      : is_constrained_(kind == MeshKind::kTriangulation),
+        names_(vertex_hash),
+        labels_(&triangulation_) {}
   DiffBuilder(const DiffBuilder&) = delete;
   DiffBuilder& operator=(const DiffBuilder&) = delete;
 
@@ -113,6 +122,7 @@ class DiffBuilder {
   void UpdateNames(const Elements& elements);
   void FillTriangulation(const Elements& elements, std::vector<meshing::VertexIndex>& missing,
                          Steps& steps);
+  void ConstrainTriangulation(const Elements& elements);
   void UpdateTriangulation(const Source& mesher);
   void UpdateSubfacets(const Source& mesher, const FeatureTable<D>& features);
   void UpdateWalls(const Elements& elements, const FeatureTable<D>& features);
@@ -155,6 +165,7 @@ class DiffBuilder {
   void NameRegions(std::initializer_list<RegionColumn*> columns,
                    std::vector<RegionSet>* sets) const;
 
+  const bool is_constrained_;
   Triangulation triangulation_;
   VertexNames<D> names_;
   Labels labels_;

@@ -25,8 +25,8 @@ inline absl::Status VertexLimitError(const MeshOptions& options) {
                        ? "the quadtree would have more than max_vertices = " + most +
                              " leaves; add fewer features, or create it with a higher limit"
                        : "the mesh would have more than max_vertices = " + most +
-                             " vertices; add fewer features, or create it with a higher limit or "
-                             "a larger max_edge",
+                             " vertices; add fewer features, or create it with a higher limit" +
+                             (options.kind == MeshKind::kDelaunay ? " or a larger max_edge" : ""),
                    {reason::kVertexLimit, {}, {}});
 }
 

@@ -21,7 +21,7 @@ struct MeshState {
   using Refinement = meshing::Refinement<D, sac::Engine>;
 
   MeshState(const MeshOptions& options, const LiveMeshTuning& tuning)
-      : diffs(tuning.vertex_hash),
+      : diffs(options.kind, tuning.vertex_hash),
         refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
     if (!tuning.global_neighbourhoods) refinement.complex().ResetToDomain(&diffs.triangulation());
     refinement.engine().set_limits(tuning.engine_limits);

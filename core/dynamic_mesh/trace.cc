@@ -281,7 +281,7 @@ std::size_t Trace::Count(TraceOperation::Fate fate) const {
 absl::StatusOr<Trace> TraceOf(std::span<const Feature> features, const EditBatch& batch,
                               const MeshOptions& options, const TraceOptions& trace_options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  if (options.kind == MeshKind::kQuadtree) {
+  if (options.kind != MeshKind::kDelaunay) {
     return MakeError(absl::StatusCode::kInvalidArgument,
                      "kind: a trace is taken of Delaunay meshes only; choose kind delaunay",
                      {reason::kBadOption, {}, {}});

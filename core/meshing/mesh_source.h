@@ -18,8 +18,8 @@ class MeshSource {
   virtual const ElementStore<D>& elements() const = 0;
   // As ElementStore::TakeChanges.
   virtual void TakeChanges(OnChange on_vertex, OnChange on_subsegment) = 0;
-  // Calls f(u) for vertices u that were near v when it was made, until f returns true. There need
-  // not be any.
+  // Calls f(u) for vertices u that were near v when it was made, until f returns true, or for some
+  // each nearer than those before for which it did. There need not be any.
   virtual void ForSomeNeighbours(VertexIndex v, absl::FunctionRef<bool(VertexIndex)> f) const = 0;
   // 3D: the feature of the facet that contains triangle abc, a side of a tetrahedron with fourth
   // corner d; kNil if there is none (facet_membership.h).

@@ -16,6 +16,7 @@
 #include "core/meshing/neighbours.h"
 #include "core/meshing/notifier.h"
 #include "core/meshing/order.h"
+#include "core/meshing/plain_input.h"
 #include "core/meshing/presplit.h"
 #include "core/meshing/publisher.h"
 #include "core/meshing/segments.h"
@@ -25,7 +26,7 @@ namespace dynmesh::meshing {
 
 template <int D, template <class> class E>
 struct Refinement<D, E>::Parts {
-  Parts(Complex<D, E>& complex, Engine& engine, Triangulation* domain)
+  Parts(Complex<D, E>& complex, Engine& engine, Triangulation* domain, bool refines)
       : notifier(complex, engine),
         publisher(complex, engine, notifier),
         input(complex, engine, notifier, publisher),
@@ -39,12 +40,15 @@ struct Refinement<D, E>::Parts {
         segments(complex, emitter),
         nearest(complex),
         complete(complex, emitter),
-        cure(complex, emitter) {}
+        cure(complex, emitter) {
+    if (!refines) plain_input.emplace(complex.elements, complex.tree);
+  }
 
   Notifier<D, E> notifier;
   Publisher<D, E> publisher;
 
   InputEditor<D, E> input;
+  std::optional<PlainInput<D>> plain_input;  // of a mesh that is not refined, in place of `input`
   InputTriangulation<D, E> input_triangulation;
   Anchors<D, E> anchors;
   FacetAnchors<D, E> facet_anchors;
@@ -63,9 +67,10 @@ template <int D, template <class> class E>
 Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangulation)
     : engine_(*this),
       complex_(options, engine_, triangulation),
-      parts_(std::make_unique<Parts>(complex_, engine_, triangulation)) {
-  AddBorder(complex_, parts_->input);
-  AddMaxEdge<D>(options, parts_->input);
+      parts_(std::make_unique<Parts>(complex_, engine_, triangulation,
+                                     options.kind != MeshKind::kTriangulation)) {
+  AddBorder(complex_, *this);
+  AddMaxEdge<D>(options, *this);
 }
 
 template <int D, template <class> class E>
@@ -86,22 +91,26 @@ void Refinement<D, E>::Reserve(std::size_t points) {
 
 template <int D, template <class> class E>
 VertexIndex Refinement<D, E>::AddPoint(const Point& p, FeatureSlot feature) {
+  if (parts_->plain_input) return parts_->plain_input->AddPoint(p, feature);
   return parts_->input.AddPoint(p, feature);
 }
 
 template <int D, template <class> class E>
 void Refinement<D, E>::RemovePoint(VertexIndex v) {
+  if (parts_->plain_input) return parts_->plain_input->RemovePoint(v);
   parts_->input.RemovePoint(v);
 }
 
 template <int D, template <class> class E>
 SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                                              const SegmentShape& shape) {
+  if (parts_->plain_input) return parts_->plain_input->AddSegment(a, b, feature);
   return parts_->input.AddSegment(a, b, feature, shape);
 }
 
 template <int D, template <class> class E>
 void Refinement<D, E>::RemoveSegment(SubsegmentIndex s) {
+  if (parts_->plain_input) return parts_->plain_input->RemoveSegment(s);
   parts_->input.RemoveSegment(s);
 }
 
@@ -132,6 +141,7 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
 template <int D, template <class> class E>
 void Refinement<D, E>::ForSomeNeighbours(VertexIndex v,
                                          absl::FunctionRef<bool(VertexIndex)> f) const {
+  if (parts_->plain_input) return parts_->plain_input->ForEachNearer(v, f);
   meshing::ForSomeNeighbours(complex_, v, f);
 }
 
@@ -146,6 +156,7 @@ FeatureSlot Refinement<D, E>::FacetAt(VertexIndex a, VertexIndex b, VertexIndex 
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::Propagate(absl::FunctionRef<bool()> interrupt) {
+  if (parts_->plain_input) return !interrupt();  // there is nothing to do
   if (!Begin(interrupt)) return false;
   const bool done = RunAll(interrupt);
   End(done);

@@ -45,7 +45,7 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
     if (absl::Status status = Handle(event); !status.ok()) return status;
   }
   if (!draft_.error().ok()) return draft_.error();
-  if (!is_quadtree()) {
+  if (!splits_nothing()) {
     if (absl::Status status = CheckDemand(); !status.ok()) return status;
   }
   return TakeDelta();
@@ -122,7 +122,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
       if constexpr (D == 3) return Enter(Facet(delta_.added_facets[event.at]), event.edit);
       break;
     case Event::Kind::kSize:
-      if (is_quadtree()) return SizeOfQuadtreeError(event.id, event.edit);
+      if (splits_nothing()) return SizeUnusedError(event.id, options_, event.edit);
       return CheckSize(delta_.added_sizes[event.at], options_.box, limit_, event.edit);
   }
   return absl::OkStatus();
@@ -170,7 +170,7 @@ template <int D>
 absl::Status CheckAlone(const SegmentFeature<D>& f, const MeshOptions& options, double,
                         EditIndex edit) {
   const bool may_be =
-      D == 2 && options.kind != MeshKind::kQuadtree && options.criterion == Criterion::kEdge;
+      D == 2 && options.kind == MeshKind::kDelaunay && options.criterion == Criterion::kEdge;
   return may_be || !f.unsplit ? absl::OkStatus() : UnsplitError<D>(f, options, edit);
 }
 
@@ -202,7 +202,7 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   EdgeKey least_ends;
   FeatureId least_id = kNoFeature;
   const auto better = [&](Conflict conflict, FeatureId id, const EdgeKey& ends) {
-    if (conflict == Conflict::kNone || (conflict == Conflict::kSmallAngle && is_quadtree()) ||
+    if (conflict == Conflict::kNone || (conflict == Conflict::kSmallAngle && splits_nothing()) ||
         std::tie(conflict, id, ends) >= std::tie(least.conflict, least_id, least_ends)) {
       return false;
     }

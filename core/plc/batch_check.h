@@ -104,7 +104,8 @@ class BatchCheck {
   bool IsMarkedAfter(FeatureId polygon) const;
   EditIndex BlameOfMarks(std::span<const FeatureId> polygons) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
-  bool is_quadtree() const { return options_.kind == MeshKind::kQuadtree; }
+  // No Steiner points, so sizes, demand and small angles do not matter.
+  bool splits_nothing() const { return options_.kind != MeshKind::kDelaunay; }
   bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
   bool IsHidden(const SegmentFeature<D>& f) const {
     return f.IsOfPolygon() ? hidden_edges_.contains(KeyOf(f)) : hidden_.contains(f.id);

@@ -110,20 +110,24 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
                             " are allowed; move it there, or cut the polygon into triangles"));
 }
 
-absl::Status SizeOfQuadtreeError(FeatureId id, EditIndex edit) {
+absl::Status SizeUnusedError(FeatureId id, const MeshOptions& options, EditIndex edit) {
+  const char* const what =
+      options.kind == MeshKind::kQuadtree ? "the quadtree" : "the triangulation";
   return Error(absl::StatusCode::kInvalidArgument, reason::kBadSize, {id}, edit,
                absl::StrCat("feature ", id,
                             " is a sizing feature, which only a mesh of kind "
-                            "delaunay has; leave it out, or add points where the quadtree must be "
-                            "finer"));
+                            "delaunay has; leave it out, or add points where ",
+                            what, " must be finer"));
 }
 
 template <int D>
 absl::Status UnsplitError(const SegmentFeature<D>& segment, const MeshOptions& options,
                           EditIndex edit) {
   const char* const where = options.kind == MeshKind::kQuadtree ? "a quadtree, which splits nothing"
-                            : D == 3                            ? "a mesh of three dimensions"
-                                                                : "a mesh of criterion thesis";
+                            : options.kind == MeshKind::kTriangulation
+                                ? "a triangulation, which splits nothing"
+                            : D == 3 ? "a mesh of three dimensions"
+                                     : "a mesh of criterion thesis";
   return Error(
       absl::StatusCode::kInvalidArgument, reason::kBadUnsplit, {segment.id}, edit,
       absl::StrCat("feature ", segment.id, " is marked unsplit in ", where,

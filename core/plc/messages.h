@@ -39,7 +39,7 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit);
 // in it), a target that is large enough for the least distance `limit`. In 3D no polygon.
 template <int D>
 absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit);
-absl::Status SizeOfQuadtreeError(FeatureId id, EditIndex edit);
+absl::Status SizeUnusedError(FeatureId id, const MeshOptions& options, EditIndex edit);
 
 // OK if the point is finite, in the closed box, and no coordinate is too close to 0.
 template <int D>

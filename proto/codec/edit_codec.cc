@@ -244,8 +244,11 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
     case v1::MESH_KIND_QUADTREE:
       options.kind = MeshKind::kQuadtree;
       break;
+    case v1::MESH_KIND_TRIANGULATION:
+      options.kind = MeshKind::kTriangulation;
+      break;
     default:
-      return OptionError("kind", "is unknown: DELAUNAY or QUADTREE");
+      return OptionError("kind", "is unknown: DELAUNAY, QUADTREE or TRIANGULATION");
   }
   if (proto.max_vertices() > max_vertices) {
     return OptionError("max_vertices", absl::StrCat("is above this server's ", max_vertices));
@@ -278,8 +281,14 @@ void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out) {
   out->set_max_depth(options.limits.max_depth);
   out->set_max_edge(options.max_edge);
   out->set_min_dihedral(options.min_dihedral);
-  out->set_kind(options.kind == MeshKind::kQuadtree ? v1::MESH_KIND_QUADTREE
-                                                    : v1::MESH_KIND_DELAUNAY);
+  switch (options.kind) {
+    case MeshKind::kDelaunay:
+      return out->set_kind(v1::MESH_KIND_DELAUNAY);
+    case MeshKind::kQuadtree:
+      return out->set_kind(v1::MESH_KIND_QUADTREE);
+    case MeshKind::kTriangulation:
+      return out->set_kind(v1::MESH_KIND_TRIANGULATION);
+  }
 }
 
 absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,

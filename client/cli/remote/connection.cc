@@ -151,7 +151,7 @@ std::string MeshLine(const client::MeshInfo& mesh, bool json) {
   return line.Add("revision", mesh.revision)
       .AddText("hash", mesh.hash.ToHex())
       .Add("dimension", o.dimension)
-      .AddText("kind", o.kind == MeshKind::kQuadtree ? "quadtree" : "delaunay")
+      .AddText("kind", NameOf(o.kind))
       .Add("rho", o.quality)
       .AddText("criterion", o.criterion == Criterion::kThesis ? "thesis" : "edge")
       .AddText("options", io::FormatMeshLine(o))

@@ -64,7 +64,7 @@ int OfQuadtree(const LfsCommand& command) {
   if (!info.ok()) return ReportServerError(info.status());
   if (info->options.kind != MeshKind::kQuadtree) {
     return ReportServerError(absl::FailedPreconditionError(
-        absl::StrFormat("mesh %s is of kind delaunay, and the leaves of a quadtree tell the local "
+        absl::StrFormat("mesh %s is no quadtree, and the leaves of a quadtree tell the local "
                         "feature size; create one, or give an input file",
                         command.of)));
   }

@@ -195,7 +195,7 @@ py::dict OptionsDict(const MeshOptions& options) {
   d["dimension"] = options.dimension;
   d["box"] = py::make_tuple(Tuple(options.box.lo, options.dimension),
                             Tuple(options.box.hi, options.dimension));
-  d["kind"] = options.kind == MeshKind::kQuadtree ? "quadtree" : "delaunay";
+  d["kind"] = std::string(NameOf(options.kind));
   d["rho"] = options.quality;
   d["criterion"] = options.criterion == Criterion::kThesis ? "thesis" : "edge";
   d["max_edge"] = options.max_edge;
@@ -232,8 +232,9 @@ MeshOptions OptionsOf(const py::dict& options) {
   }
   if (options.contains("kind")) {
     const auto name = py::cast<std::string>(options["kind"]);
-    Require(name == "delaunay" || name == "quadtree", "kind must be delaunay or quadtree");
-    result.kind = name == "delaunay" ? MeshKind::kDelaunay : MeshKind::kQuadtree;
+    const absl::StatusOr<MeshKind> kind = MeshKindOf(name);
+    Require(kind.ok(), std::string(kind.status().message()));
+    result.kind = *kind;
   }
   result.quality =
       options.contains("rho") ? py::cast<double>(options["rho"]) : DefaultQuality(result.dimension);

@@ -10,8 +10,10 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 
 namespace dynmesh {
 
@@ -23,8 +25,15 @@ struct Box {
 };
 
 // What follows the features. kDelaunay: a quality Delaunay mesh. kQuadtree: a size-conforming
-// quadtree, in 3D an octree (quadtree.h).
-enum class MeshKind : std::uint8_t { kDelaunay = 1, kQuadtree = 2 };
+// quadtree, in 3D an octree (quadtree.h). kTriangulation, 2D only: the constrained Delaunay
+// triangulation of the points and segments, without Steiner points: no angle is bounded. It covers
+// the same square as a mesh of kind kDelaunay. Sizing features are refused.
+enum class MeshKind : std::uint8_t { kDelaunay = 1, kQuadtree = 2, kTriangulation = 3 };
+
+// "delaunay", "quadtree" or "triangulation": the word for `kind` in scripts, commands and Python.
+std::string_view NameOf(MeshKind kind);
+// The kind with that `name`; INVALID_ARGUMENT, naming those that there are, if there is none.
+absl::StatusOr<MeshKind> MeshKindOf(std::string_view name);
 
 // The bound that `quality` is. kEdge: circumradius / shortest edge <= quality for every simplex.
 // kThesis: every vertex's Voronoi cell lies within quality times the distance to its nearest
@@ -93,8 +102,8 @@ struct MeshOptions {
   // slivers, but hardly a tetrahedron that is flat but for rounding.
   double min_dihedral = 0;
   Limits limits;  // an edit that exceeds one is undone
-  // kQuadtree: `quality`, `criterion`, `max_edge` and `min_dihedral` do not apply. They must be the
-  // default of the dimension, kEdge, 0 and 0.
+  // kQuadtree, kTriangulation: `quality`, `criterion`, `max_edge` and `min_dihedral` do not apply.
+  // They must be the default of the dimension, kEdge, 0 and 0.
   MeshKind kind = MeshKind::kDelaunay;
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
 };

@@ -104,6 +104,7 @@ absl::Status ReadNotes(const TextReader& reader, std::uint64_t base, MeshFiles& 
     if (auto s = ReadBoundNote(reader, note, kRhoNote, files.rho); !s.ok()) return s;
     if (auto s = ReadBoundNote(reader, note, kDihedralNote, files.min_dihedral); !s.ok()) return s;
     files.is_part |= note == kPartNote;
+    files.is_triangulation |= note == kTriangulationNote;
     if (note.starts_with(kHashNote)) {
       absl::StatusOr<MeshHash> hash = MeshHash::FromHex(note.substr(kHashNote.size()));
       if (!hash.ok()) return reader.Error(View(hash.status().message()));

@@ -40,6 +40,7 @@ struct MeshFileOptions {
       false;             // with .neigh: the simplices across the sides opposite to corners, or -1
   bool voronoi = false;  // with .v.node and .v.edge, the dual of the mesh
   bool is_part = false;  // comments say so: it does not fill its box
+  bool is_triangulation = false;     // comments say so: of kind triangulation, without bounds
   double rho = 0, min_dihedral = 0;  // comments have the bounds that the mesh was made with; 0: no
   std::vector<SeedRow> holes;        // of a .poly or .smesh
   std::uint64_t base() const { return from_zero ? 0 : 1; }
@@ -64,6 +65,7 @@ struct MeshFiles {
   std::optional<MeshHash> recorded_hash;
   std::optional<double> rho, min_dihedral;  // recorded bounds
   bool is_part = false;                     // it is recorded that the mesh does not fill its box
+  bool is_triangulation = false;            // it is recorded that it is of kind triangulation
   bool has_input_markers = false;           // markers are the input's: no owner is known
   std::map<FeatureId, std::string> names;   // of features
 };

@@ -14,6 +14,8 @@ inline constexpr std::string_view kNameNote = "name ";
 inline constexpr std::string_view kMarkersNote = "markers input";
 inline constexpr std::string_view kRhoNote = "rho ";
 inline constexpr std::string_view kDihedralNote = "min-dihedral ";
+// A constrained Delaunay triangulation without Steiner points (MeshKind::kTriangulation).
+inline constexpr std::string_view kTriangulationNote = "kind triangulation";
 // The mesh is a part of a whole one: what --inside, --region or --outside chose.
 inline constexpr std::string_view kPartNote = "part";
 

@@ -59,7 +59,7 @@ std::string FormatMeshLine(const MeshOptions& options) {
   const std::string begin = Concat("mesh dim=", options.dimension,
                                    " box=", FormatPosition(box.lo, options.dimension, ","), ",",
                                    FormatPosition(box.hi, options.dimension, ","));
-  if (options.kind == MeshKind::kQuadtree) return Concat(begin, " kind=quadtree");
+  if (options.kind != MeshKind::kDelaunay) return Concat(begin, " kind=", NameOf(options.kind));
   return Concat(
       begin, " rho=", FormatDouble(options.quality),
       " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",

@@ -116,9 +116,19 @@ class ScriptParser {
       return absl::OkStatus();
     }
     if (key == "kind") {
-      absl::StatusOr<MeshKind> kind = ParseMeshKind(value);
+      absl::StatusOr<MeshKind> kind = MeshKindOf(value);
       if (!kind.ok()) return Error(View(kind.status().message()));
       script_.kind = *kind;
+      return absl::OkStatus();
+    }
+    if (key == "quality") {
+      if (value != "none") {
+        return Error(
+            Concat("quality can only be none, which is kind=triangulation; a bound is "
+                   "given as rho, found ",
+                   Quoted(value)));
+      }
+      script_.kind = MeshKind::kTriangulation;
       return absl::OkStatus();
     }
     if (key == "hmax") {
@@ -418,13 +428,6 @@ absl::StatusOr<Box> ParseBox(std::string_view text, int dimension) {
                ", found ", Quoted(text)));
   }
   return box;
-}
-
-absl::StatusOr<MeshKind> ParseMeshKind(std::string_view text) {
-  if (text == "delaunay") return MeshKind::kDelaunay;
-  if (text == "quadtree") return MeshKind::kQuadtree;
-  return absl::InvalidArgumentError(
-      Concat("a kind of mesh is delaunay or quadtree, found ", Quoted(text)));
 }
 
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {

@@ -103,8 +103,6 @@ std::string FormatEdit(const Edit& edit, int dimension = 2);
 
 // "x0,y0,x1,y1", in 3D "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.
 absl::StatusOr<Box> ParseBox(std::string_view text, int dimension = 2);
-// "delaunay" or "quadtree".
-absl::StatusOr<MeshKind> ParseMeshKind(std::string_view text);
 // "edge" or "thesis".
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 
