@@ -137,7 +137,7 @@ absl::StatusOr<Mesh> BuildDelaunay(std::span<const Feature> features, const Mesh
 }
 
 absl::Status CheckSvrOptions(const MeshOptions& options) {
-  if (options.kind != MeshKind::kDelaunay) return SvrError("makes no quadtrees");
+  if (options.kind != MeshKind::kDelaunay) return SvrError("makes meshes of kind delaunay only");
   if (options.criterion != Criterion::kEdge) return SvrError("has no criterion but edge");
   const double least = DefaultQuality(options.dimension);
   if (options.quality < least) {

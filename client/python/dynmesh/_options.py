@@ -12,7 +12,7 @@ from dynmesh import _core
 from dynmesh._types import Array
 from dynmesh.errors import InvalidArgument
 
-_TEXTS = {"kind": "'delaunay' or 'quadtree'", "criterion": "'edge' or 'thesis'"}
+_TEXTS = {"kind": "'delaunay', 'quadtree' or 'triangulation'", "criterion": "'edge' or 'thesis'"}
 _WHOLE = {"dimension": "2 or 3", "max_vertices": "as 1_000_000"}
 _BOX = "two corners, as ((0, 0), (2, 1)), in 3D ((0, 0, 0), (2, 1, 1))"
 

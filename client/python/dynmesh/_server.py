@@ -66,9 +66,10 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
     Args:
         box: the box of the features: two corners ((x, y), (x, y)), in 3D with z, the second above
             the first in each axis. Default: from 0 to 1.
-        options: `dimension`: 2 or 3. `kind`: "delaunay", or "quadtree" for a size-conforming
-            quadtree (octree), which has one vertex for each leaf, at its centre, and none of the
-            next four options. `rho`: the largest circumradius / shortest edge. `criterion`:
+        options: `dimension`: 2 or 3. `kind`: "delaunay"; "quadtree" for a size-conforming
+            quadtree (octree), which has one vertex for each leaf, at its centre; or in 2D
+            "triangulation" for the constrained Delaunay triangulation of points and segments,
+            without Steiner points. Only "delaunay" has the next four options. `rho`: the largest circumradius / shortest edge. `criterion`:
             "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
             `min_dihedral`: in 3D, tetrahedra with a dihedral angle below it, in degrees, are
             removed where Steiner points can do so; 0 leaves slivers. Default: 10, in 2D 0.

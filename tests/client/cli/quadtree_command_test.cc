@@ -58,7 +58,7 @@ TEST_F(QuadtreeCommands, AFlagChoosesTheKind) {
 
 TEST_F(QuadtreeCommands, WhatDoesNotFitIsRefusedByName) {
   const std::pair<const char*, const char*> refused[] = {
-      {"mesh t.dynmesh --kind octagon", "--kind: a kind of mesh is delaunay or quadtree"},
+      {"mesh t.dynmesh --kind octagon", "--kind: a kind of mesh is delaunay, quadtree or triangulation"},
       {"mesh t.dynmesh --rho 2", "--rho: 2 is for meshes of kind delaunay"},
       {"mesh t.dynmesh --hmax 0.1", "--hmax: 0.1 is for meshes of kind delaunay"},
       {"mesh t.dynmesh --criterion thesis", "--criterion: thesis is for meshes"},

@@ -56,6 +56,13 @@ TEST(OptionsCodec, AKindBringsItsDefaults) {
   v1::MeshOptions back;
   EncodeOptions(*options, &back);
   EXPECT_EQ(*DecodeOptions(back, 100), *options);
+  proto.set_dimension(2);
+  proto.set_kind(v1::MESH_KIND_TRIANGULATION);
+  const auto triangulation = DecodeOptions(proto, 100);
+  ASSERT_TRUE(triangulation.ok()) << triangulation.status();
+  EXPECT_EQ(triangulation->kind, MeshKind::kTriangulation);
+  EncodeOptions(*triangulation, &back);
+  EXPECT_EQ(*DecodeOptions(back, 100), *triangulation);
   proto.set_kind(static_cast<v1::MeshKind>(7));
   EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.kind");
 }
