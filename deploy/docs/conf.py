@@ -3,6 +3,7 @@
 A name of the package that index.rst leaves out is a warning, and so are a member without a docstring
 and a docstring that does not name a parameter.
 """
+import importlib
 import inspect
 import pathlib
 import re
@@ -33,6 +34,9 @@ autodoc_type_aliases = {"Array": "Array", "Kind": "Kind", "Pem": "Pem", "Progres
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 
+# Those of whose names index.rst has all.
+MODULES = ("dynmesh", "dynmesh.compat", "dynmesh.compat.triangle")
+
 _log = logging.getLogger(__name__)
 
 
@@ -57,12 +61,11 @@ def _hide(app, what, name, thing, options, signature, returns):
 
 
 def _check_names(app, environment):
-    import dynmesh
-
     documented = environment.get_domain("py").objects
-    for name in dynmesh.__all__:
-        if f"dynmesh.{name}" not in documented:
-            _log.warning("index.rst does not have dynmesh.%s", name)
+    for module in MODULES:
+        for name in importlib.import_module(module).__all__:
+            if f"{module}.{name}" not in documented:
+                _log.warning("index.rst does not have %s.%s", module, name)
 
 
 def setup(app):
