@@ -35,7 +35,8 @@ napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 
 # Those of whose names index.rst has all.
-MODULES = ("dynmesh", "dynmesh.compat", "dynmesh.compat.triangle")
+MODULES = ("dynmesh", "dynmesh.compat", "dynmesh.compat.triangle",
+           "dynmesh.compat.meshpy.triangle")
 
 _log = logging.getLogger(__name__)
 

@@ -141,7 +141,7 @@ class Planar:
             corners = cut.points[cut.cells].tolist()
             flagged = np.array([bool(graph.needs_refinement(rows, area))
                                 for rows, area in zip(corners, measures.tolist())], bool)
-            bounds = np.minimum(bounds, np.where(flagged, measures / 3, np.inf))
+            bounds = np.minimum(bounds, np.where(flagged, measures / 1.5, np.inf))
         return bounds
 
     def attributes(self, given: Array) -> Array:
