@@ -34,9 +34,10 @@ autodoc_type_aliases = {"Array": "Array", "Kind": "Kind", "Pem": "Pem", "Progres
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 
+WITH_SIGNATURE = ("dynmesh.Series", "dynmesh.compat.meshpy.tet.Options", "dynmesh.compat.tetgen.TetGen")
 # Those of whose names index.rst has all.
 MODULES = ("dynmesh", "dynmesh.compat", "dynmesh.compat.triangle",
-           "dynmesh.compat.meshpy.triangle")
+           "dynmesh.compat.meshpy.triangle", "dynmesh.compat.meshpy.tet", "dynmesh.compat.tetgen")
 
 _log = logging.getLogger(__name__)
 
@@ -58,7 +59,7 @@ def _check(app, what, name, thing, options, lines):
 
 def _hide(app, what, name, thing, options, signature, returns):
     """Of a class what its constructor takes, unless index.rst says it: most are made by functions."""
-    return ("", None) if what == "class" and name != "dynmesh.Series" else None
+    return ("", None) if what == "class" and name not in WITH_SIGNATURE else None
 
 
 def _check_names(app, environment):

@@ -100,3 +100,38 @@ def is_inside(ring, places):
             x = ax + (places[:, 1] - ay) * (bx - ax) / (by - ay)
         result ^= crosses & (places[:, 0] < x)
     return result
+
+
+def box_of(low, high, first=0):
+    """The corners of a box and its six faces, counter-clockwise from outside."""
+    (a, b, c), (d, e, f) = low, high
+    points = [(a, b, c), (d, b, c), (d, e, c), (a, e, c), (a, b, f), (d, b, f), (d, e, f), (a, e, f)]
+    faces = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+    return points, [tuple(first + i for i in face) for face in faces]
+
+
+def dihedral_angles(points, cells):
+    """Degrees, (cells, 6)."""
+    corners = np.asarray(points)[np.asarray(cells)]
+    result = []
+    for i, j in itertools.combinations(range(4), 2):
+        k, m = (x for x in range(4) if x not in (i, j))
+        along = corners[:, j] - corners[:, i]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        sides = []
+        for other in (k, m):
+            side = corners[:, other] - corners[:, i]
+            side = side - (side * along).sum(axis=1, keepdims=True) * along
+            sides.append(side / np.linalg.norm(side, axis=1, keepdims=True))
+        result.append(np.degrees(np.arccos(np.clip((sides[0] * sides[1]).sum(axis=1), -1, 1))))
+    return np.stack(result, axis=1)
+
+
+def radius_edge(points, cells):
+    """Circumradius / shortest edge of each tetrahedron."""
+    corners = np.asarray(points)[np.asarray(cells)]
+    edges = corners[:, 1:] - corners[:, :1]
+    centres = np.linalg.solve(2 * edges, (edges**2).sum(axis=2)[:, :, None])[:, :, 0]
+    shortest = np.min([np.linalg.norm(corners[:, i] - corners[:, j], axis=1)
+                       for i, j in itertools.combinations(range(4), 2)], axis=0)
+    return np.linalg.norm(centres, axis=1) / shortest

@@ -111,8 +111,8 @@ class Domain:
 
     def __init__(self, points: Array, facets: Sequence[Sequence[Sequence[int]]], *, rho: float,
                  max_edge: float = 0.0, min_dihedral: float = 0.0,
-                 extra: Optional[Array] = None, unsplit: Optional[Array] = None,
-                 sizes: Sequence[dict[str, Any]] = (), is_planar: bool = True) -> None:
+                 unsplit: Optional[Array] = None, sizes: Sequence[dict[str, Any]] = (),
+                 is_planar: bool = True) -> None:
         """Makes the mesh.
 
         Args:
@@ -121,7 +121,6 @@ class Domain:
             rho: the bound of circumradius / shortest edge.
             max_edge: a target length everywhere; 0: none.
             min_dihedral: in 3D, degrees.
-            extra: in 3D, segments beside facets.
             unsplit: 2D: the rows of `facets` that get no vertex.
             sizes: sizing features.
             is_planar: 2D.
@@ -131,7 +130,6 @@ class Domain:
         self._given = points
         self._first, self._distinct = _distinct(points)
         self._facets = facets
-        self._extra = np.zeros((0, 2), np.int64) if extra is None else extra
         self._rho, self._max_edge, self._min_dihedral = rho, max_edge, min_dihedral
         self._unsplit = np.zeros(0, np.int64) if unsplit is None else unsplit
         self._sizes = list(sizes)
@@ -195,11 +193,6 @@ class Domain:
         else:
             edits["add_polygons"] = {int(id_): [[i + 1 for i in ring] for ring in rings]
                                      for id_, rings in zip(ids, facets)}
-            if len(self._extra):
-                pairs, _ = self._segments(self._extra)
-                edits["add_segments"] = (
-                    np.arange(self._next, self._next + len(pairs), dtype=np.uint64), pairs + 1)
-                self._next += len(pairs)
         if self._sizes:
             edits["add_sizes"] = {self._next + i: size for i, size in enumerate(self._sizes)}
             self._next += len(self._sizes)
