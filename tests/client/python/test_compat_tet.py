@@ -50,6 +50,11 @@ def test_the_tower_of_the_documents(switches, kwargs, ratio, largest, angle):
     assert all(len(row) == 3 for row in checks.border(mesh.elements))
 
 
+def test_tetrahedra_are_not_much_smaller_than_they_may_be():
+    mesh = build(info_of(TOWER), max_volume=0.02)
+    assert 0.33 < 48 / 0.02 / len(mesh.elements) <= 1
+
+
 def test_options_are_members_too():
     options = Options("pq", maxvolume=0.5, minratio=1.8)
     mesh = build(info_of(TOWER), options)

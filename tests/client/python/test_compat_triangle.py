@@ -245,6 +245,20 @@ def test_borders_stay_whole(opts, whole):
     assert checks.measures(mesh["vertices"], mesh["triangles"]).max() <= 0.02 * (1 + 1e-9)
 
 
+def test_triangles_are_not_much_smaller_than_they_may_be():
+    """Triangles of less than half of the area would be twice as many."""
+    for name in ("square", "ell", "box"):
+        tri, area = AREAS[name]
+        mesh = tr.triangulate(tri, f"pqa{area / 2000:.9f}")
+        assert 0.6 < 2000 / len(mesh["triangles"]) <= 1
+
+
+def test_a_vertex_too_near_to_a_border_that_stays_whole_is_refused():
+    tri = dict(SQUARE, vertices=[*SQUARE["vertices"], (0.5, 0.1)])
+    with pytest.raises(dynmesh.FailedPrecondition, match="ENCROACHED"):
+        tr.triangulate(tri, "pqY")
+
+
 def test_a_border_that_stays_whole_beside_too_small_areas_is_refused():
     with pytest.raises(dynmesh.LimitExceeded, match="leave out the switch Y"):
         tr.triangulate(SQUARE, "pqa0.01Y")

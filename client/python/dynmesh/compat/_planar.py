@@ -9,7 +9,7 @@ import numpy as np
 
 from dynmesh._types import Array
 from dynmesh.compat import _topology
-from dynmesh.compat._domain import Cut, Domain, check_count, rho_of, target_of
+from dynmesh.compat._domain import Cut, Domain, check_count, max_edge_of, rho_of, target_of
 from dynmesh.compat._errors import Unsupported
 from dynmesh.compat._values import interpolate
 from dynmesh.errors import FailedPrecondition, InvalidArgument
@@ -68,8 +68,7 @@ class Planar:
         rho = DEFAULT_RHO if graph.angle is None else rho_of(graph.angle, graph.angle_name)
         unsplit = self._unsplit_rows()
         sizes = self._region_sizes()
-        max_edge = 0.0 if graph.area is None else float(target_of(graph.area, 2))
-        choices: dict[str, Any] = dict(rho=rho, max_edge=max_edge, unsplit=unsplit)
+        choices: dict[str, Any] = dict(rho=rho, max_edge=max_edge_of(graph.area, 2), unsplit=unsplit)
         rows = segments.tolist()
         try:
             self._domain = Domain(graph.points, rows, sizes=sizes, **choices)

@@ -11,9 +11,9 @@ import numpy as np
 
 from dynmesh._types import Array
 from dynmesh.compat import _topology
-from dynmesh.compat._domain import Cut, Domain, check_count, target_of
+from dynmesh.compat._domain import Cut, Domain, check_count, max_edge_of
 from dynmesh.compat._errors import Unsupported
-from dynmesh.errors import DynmeshError, FailedPrecondition, InvalidArgument
+from dynmesh.errors import FailedPrecondition, InvalidArgument
 
 #: The least bound of circumradius / shortest edge that a mesh with facets keeps.
 LEAST_RATIO = 1.4
@@ -162,7 +162,7 @@ class Solid:
         try:
             self._domain = Domain(
                 body.points, facets, rho=min(body.ratio, 100.0), min_dihedral=max(body.angle, CURED),
-                max_edge=0.0 if body.volume is None else float(target_of(body.volume, 3)),
+                max_edge=max_edge_of(body.volume, 3),
                 is_planar=False)
             self.cut: Cut = self._domain.refine(
                 lambda: self._domain.cut(body.holes, body.regions[:, :3]), self._bounds)
@@ -311,5 +311,5 @@ def write_vtk(path: Any, points: Array, cells: Array) -> None:
         file.writelines(row + "\n" for row in rows)
 
 
-__all__ = ["Body", "DynmeshError", "LEAST_RATIO", "Solid", "SolidSwitches", "merged", "parse",
+__all__ = ["Body", "LEAST_RATIO", "Solid", "SolidSwitches", "merged", "parse",
            "with_middles", "write_vtk"]
