@@ -7,7 +7,7 @@ import pytest
 import compat_checks as checks
 import dynmesh
 import dynmesh.compat.triangle as tr
-from dynmesh.compat import Unsupported
+from dynmesh.compat import Unsupported, _domain, _planar
 
 
 def ring_of(n, first=0):
@@ -426,6 +426,28 @@ def test_opts_are_a_string():
 def test_triangulations_without_new_vertices_are_not_there_yet(function):
     with pytest.raises(Unsupported, match="is not there yet"):
         function([(0, 0), (1, 0), (0, 1)])
+
+
+def test_all_but_the_triangulation_is_there(monkeypatch):
+    """In its place a mesh that has no new vertices, because the input is good."""
+    monkeypatch.setattr(_planar, "triangulated", lambda points, segments: _domain.Domain(
+        points, segments, dict(rho=100.0)))
+    t = np.arange(6) * math.pi / 3
+    ring = np.stack([np.cos(t), np.sin(t)], axis=1)
+    points = [*ring.tolist(), (0, 0)]
+    assert {frozenset(row) for row in tr.delaunay(points).tolist()} == {
+        frozenset((i, (i + 1) % 6, 6)) for i in range(6)}
+    centres, edges, origins, directions = tr.voronoi(points)
+    assert np.allclose(np.linalg.norm(centres, axis=1), 1 / math.sqrt(3))
+    assert len(edges) == len(origins) == len(directions) == 6
+    mesh = tr.triangulate(dict(vertices=points, segments=[*ring_of(6), (0, 6), (6, 2), (6, 4)],
+                               holes=[(0.5, 0.5)], regions=[(0.5, -0.5, 4, 0)],
+                               vertex_attributes=np.arange(7)), "pAn")
+    assert len(mesh["vertices"]) == 7 and len(mesh["triangles"]) == 4
+    assert sorted(mesh["triangle_attributes"][:, 0]) == [0, 0, 4, 4]
+    assert mesh["vertex_attributes"][:, 0].tolist() == list(range(7))
+    assert (mesh["neighbors"] == checks.neighbours(mesh["triangles"])).all()
+    assert len(mesh["segments"]) == 7 and set(mesh["segment_markers"][:, 0]) == {0, 1}
 
 
 class Axes:

@@ -113,28 +113,23 @@ class Cut:
 class Domain:
     """The input of a mesh, and the mesh."""
 
-    def __init__(self, points: Array, facets: Sequence[Sequence[Sequence[int]]], *, rho: float,
-                 max_edge: float = 0.0, min_dihedral: float = 0.0,
-                 unsplit: Optional[Array] = None, sizes: Sequence[dict[str, Any]] = (),
-                 is_planar: bool = True) -> None:
+    def __init__(self, points: Array, facets: Sequence[Sequence[Any]], options: dict[str, Any], *,
+                 unsplit: Optional[Array] = None, sizes: Sequence[dict[str, Any]] = ()) -> None:
         """Makes the mesh.
 
         Args:
             points: the input's vertices, of which equal ones are one.
             facets: 2D: pairs of vertices; 3D: lists of rings of vertices.
-            rho: the bound of circumradius / shortest edge.
-            max_edge: a target length everywhere; 0: none.
-            min_dihedral: in 3D, degrees.
+            options: of the mesh, but for its box and dimension.
             unsplit: 2D: the rows of `facets` that get no vertex.
             sizes: sizing features.
-            is_planar: 2D.
         """
-        self.dimension = 2 if is_planar else 3
+        self.dimension = points.shape[1]
         self.inputs = len(points)
         self._given = points
         self._first, self._distinct = _distinct(points)
         self._facets = facets
-        self._rho, self._max_edge, self._min_dihedral = rho, max_edge, min_dihedral
+        self._options = options
         self._unsplit = np.zeros(0, np.int64) if unsplit is None else unsplit
         self._sizes = list(sizes)
         if len(self._first) <= self.dimension:
@@ -176,12 +171,7 @@ class Domain:
         low, high = points.min(axis=0), points.max(axis=0)
         extent = float((high - low).max())
         high = np.maximum(high, low + 1e-3 * extent)
-        options: dict[str, Any] = dict(rho=self._rho)
-        if self._max_edge:
-            options["max_edge"] = self._max_edge
-        if self.dimension == 3:
-            options.update(dimension=3, min_dihedral=self._min_dihedral)
-        mesh = open_mesh((low.tolist(), high.tolist()), **options)
+        mesh = open_mesh((low.tolist(), high.tolist()), dimension=self.dimension, **self._options)
         self._base = self.inputs + 1  # ids of facets begin here
         ids = np.arange(self._base, self._base + len(facets), dtype=np.uint64)
         self._owners = owners

@@ -18,10 +18,10 @@ from dynmesh.errors import FailedPrecondition, InvalidArgument
 DEFAULT_RHO = 2**0.5
 
 
-def unrefined(points: Array, segments: Array) -> Cut:
+def triangulated(points: Array, segments: list[list[int]]) -> Domain:
     """The constrained Delaunay triangulation of the input, without new vertices.
 
-    The one place that needs it: dynmesh has none yet.
+    The one place that would make it: dynmesh has none yet. All else is ready for it.
     """
     raise Unsupported(
         "a constrained Delaunay triangulation without new vertices is not there yet: meshes have a bound of "
@@ -36,6 +36,7 @@ class Graph:
     segments: Array  #: (n, 2)
     holes: Array  #: A place in each
     regions: Array  #: x, y, attribute, largest area (not above 0: none)
+    is_refined: bool = True  #: It has new vertices
     angle: Optional[float] = None  #: The least angle, degrees
     angle_name: str = "q"  #: What the caller calls it
     area: Optional[float] = None  #: Of all triangles
@@ -65,20 +66,25 @@ class Planar:
         self._segments = segments
         self._grid = _topology.Grid(graph.points, graph.triangles) if len(graph.triangles) else None
         self._base: Optional[tuple[Domain, Cut]] = None
+        self._domain = self._refined() if graph.is_refined else triangulated(graph.points,
+                                                                             segments.tolist())
+        #: The mesh.
+        self.cut: Cut = (self._domain.refine(lambda: self._cut_of(self._domain), self._bounds)
+                         if graph.is_refined else self._cut_of(self._domain))
+        check_count(self.cut, graph.most_new, "S")
+
+    def _refined(self) -> Domain:
+        graph, rows = self.graph, self._segments.tolist()
         rho = DEFAULT_RHO if graph.angle is None else rho_of(graph.angle, graph.angle_name)
+        options = dict(rho=rho, max_edge=max_edge_of(graph.area, 2))
         unsplit = self._unsplit_rows()
         sizes = self._region_sizes()
-        choices: dict[str, Any] = dict(rho=rho, max_edge=max_edge_of(graph.area, 2), unsplit=unsplit)
-        rows = segments.tolist()
         try:
-            self._domain = Domain(graph.points, rows, sizes=sizes, **choices)
+            return Domain(graph.points, rows, options, unsplit=unsplit, sizes=sizes)
         except (InvalidArgument, FailedPrecondition):
             if not sizes:
                 raise
-            self._domain = Domain(graph.points, rows, **choices)  # areas of regions by balls alone
-        #: The mesh.
-        self.cut: Cut = self._domain.refine(lambda: self._cut_of(self._domain), self._bounds)
-        check_count(self.cut, graph.most_new, "S")
+            return Domain(graph.points, rows, options, unsplit=unsplit)  # areas of regions by balls alone
 
     def _cut_of(self, domain: Domain) -> Cut:
         keep = None
@@ -90,7 +96,7 @@ class Planar:
     def base(self) -> tuple[Domain, Cut]:
         """A mesh with few new vertices, for what must be known before the mesh is made."""
         if self._base is None:
-            domain = Domain(self.graph.points, self._segments.tolist(), rho=100.0)
+            domain = Domain(self.graph.points, self._segments.tolist(), dict(rho=100.0))
             self._base = domain, self._cut_of(domain)
         return self._base
 

@@ -161,9 +161,8 @@ class Solid:
         self._markers = markers
         try:
             self._domain = Domain(
-                body.points, facets, rho=min(body.ratio, 100.0), min_dihedral=max(body.angle, CURED),
-                max_edge=max_edge_of(body.volume, 3),
-                is_planar=False)
+                body.points, facets, dict(rho=min(body.ratio, 100.0), min_dihedral=max(body.angle, CURED),
+                                          max_edge=max_edge_of(body.volume, 3)))
             self.cut: Cut = self._domain.refine(
                 lambda: self._domain.cut(body.holes, body.regions[:, :3]), self._bounds)
         except (FailedPrecondition, InvalidArgument) as error:

@@ -21,7 +21,7 @@ from dynmesh._types import Array
 from dynmesh.compat import _topology
 from dynmesh.compat._domain import array_of, indices_of
 from dynmesh.compat._errors import Unsupported
-from dynmesh.compat._planar import Graph, Planar, marks_of, unrefined, with_middles
+from dynmesh.compat._planar import Graph, Planar, marks_of, with_middles
 
 __all__ = ["compare", "convex_hull", "delaunay", "plot", "triangulate", "voronoi"]
 
@@ -189,23 +189,20 @@ def triangulate(tri: Mapping[str, Any], opts: str = "") -> dict[str, Any]:
 
     planar = None
     new_attributes = attributes
-    if switches.is_refined:
+    if switches.is_refined or not refines:
         planar = Planar(Graph(
             points, segments,
             array_of(tri.get("holes") if has_graph and "O" not in letters else None, "holes", 2), regions,
-            angle=switches.angle, area=switches.area, has_region_areas=switches.has_areas,
+            is_refined=switches.is_refined, angle=switches.angle, area=switches.area, has_region_areas=switches.has_areas,
             closes_hull=not refines and ("c" in letters or not has_graph), unsplit=switches.unsplit,
             most_new=switches.most_new, triangles=old, triangle_areas=areas))
         cut = planar.cut
         nodes, cells, facets, owners = cut.points, cut.cells, cut.facets, cut.facet_owners
         if attributes is not None:
             new_attributes = planar.attributes(attributes)
-    elif refines:
+    else:  # r alone: it is as it is
         nodes, cells, facets = points, old.astype(np.int32), segments.astype(np.int32)
         owners = np.arange(len(segments))
-    else:
-        cut = unrefined(points, segments)
-        nodes, cells, facets, owners = cut.points, cut.cells, cut.facets, cut.facet_owners
     facet_markers = np.append(segment_markers, 0)[np.where(owners < len(segments), owners, -1)]
     marks = marks_of(nodes, cells, facets, facet_markers,
                      np.concatenate([vertex_markers, np.zeros(len(nodes) - len(points), np.int32)]))
@@ -267,7 +264,8 @@ def delaunay(pts: Any) -> Array:
 
     Raises `Unsupported`: dynmesh has no triangulation without new vertices yet.
     """
-    return unrefined(array_of(pts, "pts", 2), np.zeros((0, 2), np.int64)).cells
+    cells: Array = triangulate(dict(vertices=pts))["triangles"]
+    return cells
 
 
 def voronoi(pts: Any) -> tuple[Array, Array, Array, Array]:
@@ -283,7 +281,7 @@ def voronoi(pts: Any) -> tuple[Array, Array, Array, Array]:
     Raises `Unsupported`: dynmesh has no triangulation without new vertices yet.
     """
     points = array_of(pts, "pts", 2)
-    return dual_of(points, unrefined(points, np.zeros((0, 2), np.int64)).cells)
+    return dual_of(points, delaunay(points))
 
 
 def dual_of(points: Array, triangles: Array) -> tuple[Array, Array, Array, Array]:

@@ -20,7 +20,7 @@ from dynmesh._types import Array
 from dynmesh.compat import _topology
 from dynmesh.compat._domain import array_of, indices_of
 from dynmesh.compat._errors import Unsupported
-from dynmesh.compat._planar import Graph, Planar, marks_of, unrefined, with_middles
+from dynmesh.compat._planar import Graph, Planar, marks_of, with_middles
 from dynmesh.compat.meshpy._arrays import Arrays, ForeignArray
 
 __all__ = ["MeshInfo", "build", "refine", "subdivide_facets", "write_gnuplot_mesh"]
@@ -159,12 +159,12 @@ def build(mesh_info: MeshInfo, verbose: bool = False, refinement_func: Refinemen
         raise ValueError(f"mesh_order: 1 or 2, and got {mesh_order!r}")
     points, facets, point_markers, facet_markers = _description(mesh_info)
     holes, regions = array_of(mesh_info.holes, "holes", 2), array_of(mesh_info.regions, "regions", 4)
-    if not quality_meshing and max_volume is None and refinement_func is None and not volume_constraints:
-        unrefined(points, facets)
     if max_volume is not None and not max_volume > 0:
         raise ValueError(f"max_volume: it is above 0, and got {max_volume!r}")
     angle = (20.0 if min_angle is None else float(min_angle)) if quality_meshing else None
-    graph = Graph(points, facets, holes, regions, angle=angle, angle_name="min_angle", area=max_volume,
+    is_refined = (quality_meshing or max_volume is not None or refinement_func is not None
+                  or volume_constraints)
+    graph = Graph(points, facets, holes, regions, is_refined=is_refined, angle=angle, angle_name="min_angle", area=max_volume,
                   has_region_areas=volume_constraints,
                   unsplit="" if allow_boundary_steiner else "border", needs_refinement=refinement_func)
     return _result(mesh_info, graph, Planar(graph), (point_markers, facet_markers), attributes=attributes,
