@@ -204,6 +204,8 @@ def test_switches_that_are_refused_are_named(switches, error, text):
     (lambda: build(info_of((TOWER[0], [(0, 1, 8)]))), ValueError, "facet 0 has vertex 8"),
     (lambda: build(info_of((TOWER[0], [(0, 1)]))), ValueError, "facet 0 has no polygon"),
     (lambda: build(info_of((TOWER[0], []))), ValueError, "a mesh is between facets"),
+    (lambda: build(info_of(([*TOWER[0], (1, 1, 0)], TOWER[1]))), dynmesh.FailedPrecondition,
+     "POINT_ON_POLYGON.*make it a corner"),
     (lambda: build(info_of(TOWER), diagnose=True), Unsupported, "diagnose"),
     (lambda: build(info_of(TOWER), max_volume=-1), ValueError, "max_volume"),
     (lambda: build(info_of((TOWER[0], [*TOWER[1], (0, 1, 6)]))), dynmesh.DynmeshError, "read_surface"),
@@ -306,6 +308,8 @@ def test_the_grid_is_made_by_pyvista(monkeypatch):
     tet = tetgen.TetGen(*TOWER)
     nodes, elements = tet.tetrahedralize()
     assert tet.grid == "grid"
+    fake.UnstructuredGrid = lambda *arrays: types.SimpleNamespace(plot=lambda **kwargs: kwargs)
+    assert tet.plot(show_edges=True) == {"show_edges": True}
     cells, kinds, points = made[0]
     assert (cells.reshape(-1, 5)[:, 1:] == elements).all() and (cells[::5] == 4).all()
     assert (kinds == 10).all() and points is nodes

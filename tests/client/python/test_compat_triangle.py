@@ -287,6 +287,9 @@ def test_a_mesh_is_refined_where_its_areas_are_too_large():
         assert checks.is_inside(corners[int(of)], centre[None])[0], number
         assert wanted[int(of)] < 0 or area <= 0.01 * (1 + 1e-9)
     assert areas.max() > 0.02
+    both = tr.triangulate(dict(tri, segments=coarse["segments"], regions=[(0.1, 0.1, 77, 0)]), "prqA")
+    assert both["triangle_attributes"].shape == (len(both["triangles"]), 2)
+    assert (both["triangle_attributes"][:, 1] == 77).all()
     finer = tr.triangulate(coarse, "prqa0.005")
     check(coarse, finer, "")
     assert checks.measures(finer["vertices"], finer["triangles"]).max() <= 0.005 * (1 + 1e-9)
@@ -415,6 +418,25 @@ def test_switches_that_are_refused_are_named(opts, error, text):
 def test_input_that_is_refused_is_named(tri, error, text):
     with pytest.raises(error, match=text):
         tr.triangulate(tri, "pq")
+
+
+def test_what_is_given_stays_as_it_is():
+    tri = {key: np.array(value, float if key in ("vertices", "holes") else int)
+           for key, value in BOX.items()}
+    before = {key: value.copy() for key, value in tri.items()}
+    mesh = tr.triangulate(tri, "pqa0.1")
+    mesh["vertices"][:] = 0
+    assert all((before[key] == tri[key]).all() for key in before)
+
+
+@pytest.mark.parametrize("scale, place", [(1e-6, 0), (1e6, 0), (1, 1e5), (1e-3, 10)])
+def test_units_and_places_do_not_matter(scale, place):
+    tri = dict(BOX, vertices=np.array(BOX["vertices"]) * scale + place,
+               holes=np.array(BOX["holes"]) * scale + place)
+    mesh = tr.triangulate(tri, f"pq30a{0.05 * scale**2:.20f}")
+    areas = checks.measures(mesh["vertices"], mesh["triangles"])
+    assert math.isclose(areas.sum(), 8 * scale**2, rel_tol=1e-6)
+    assert areas.max() <= 0.05 * scale**2 * (1 + 1e-6)
 
 
 def test_opts_are_a_string():

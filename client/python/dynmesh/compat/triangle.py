@@ -193,7 +193,8 @@ def triangulate(tri: Mapping[str, Any], opts: str = "") -> dict[str, Any]:
         planar = Planar(Graph(
             points, segments,
             array_of(tri.get("holes") if has_graph and "O" not in letters else None, "holes", 2), regions,
-            is_refined=switches.is_refined, angle=switches.angle, area=switches.area, has_region_areas=switches.has_areas,
+            is_refined=switches.is_refined, angle=switches.angle, area=switches.area,
+            has_region_areas=switches.has_areas,
             closes_hull=not refines and ("c" in letters or not has_graph), unsplit=switches.unsplit,
             most_new=switches.most_new, triangles=old, triangle_areas=areas))
         cut = planar.cut

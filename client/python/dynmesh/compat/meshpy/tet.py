@@ -200,8 +200,8 @@ def _rings(facet: Facet, number: int, points: Array) -> list[list[int]]:
     if not rings or len(rings[0]) < 3:
         raise ValueError(f"facets: facet {number} has no polygon of three vertices")
     if min(map(len, rings)) < 3:
-        raise Unsupported(f"facets: facet {number} has a polygon of two vertices, a segment in it: cut the facet "
-                          "along the segment")
+        raise Unsupported(f"facets: facet {number} has a polygon of two vertices, a segment in it: "
+                          "cut the facet along the segment")
     if len(rings) - 1 != len(facet.holes):
         raise Unsupported(f"facets: facet {number} has {len(rings)} polygons and {len(facet.holes)} holes: "
                           "each polygon but the first is the border of a hole; make others facets of "

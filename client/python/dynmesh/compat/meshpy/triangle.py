@@ -164,7 +164,8 @@ def build(mesh_info: MeshInfo, verbose: bool = False, refinement_func: Refinemen
     angle = (20.0 if min_angle is None else float(min_angle)) if quality_meshing else None
     is_refined = (quality_meshing or max_volume is not None or refinement_func is not None
                   or volume_constraints)
-    graph = Graph(points, facets, holes, regions, is_refined=is_refined, angle=angle, angle_name="min_angle", area=max_volume,
+    graph = Graph(points, facets, holes, regions, is_refined=is_refined, angle=angle,
+                  angle_name="min_angle", area=max_volume,
                   has_region_areas=volume_constraints,
                   unsplit="" if allow_boundary_steiner else "border", needs_refinement=refinement_func)
     return _result(mesh_info, graph, Planar(graph), (point_markers, facet_markers), attributes=attributes,
