@@ -75,7 +75,8 @@ def test_faces_have_the_markers_of_facets():
     on_border = {vertex for face in faces for vertex in face}
     for vertex, marker in enumerate(mesh.point_markers):
         assert (marker != 0) == (vertex in on_border)
-    assert set(build(info_of(TOWER)).face_markers) == {1}
+    assert set(build(info_of(NESTED)).face_markers) == {1}
+    assert set(build(info_of(NESTED, markers=[0] * 6 + [4] * 6)).face_markers) == {0, 4}
 
 
 @pytest.mark.parametrize("switches", ["pqA", "pqAa", "pqAa0.2"])
@@ -170,12 +171,19 @@ def test_points_edges_neighbours_and_ten_nodes():
     mesh = build(info_of(TOWER), Options("pqo2"))
     points, cells = np.array(mesh.points), np.array(mesh.elements)
     assert cells.shape[1] == 10
-    for node, pair in enumerate(((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)), 4):
+    for node, pair in enumerate(((2, 3), (0, 3), (0, 1), (1, 2), (1, 3), (0, 2)), 4):
         assert np.allclose(points[cells[:, node]], points[cells[:, pair]].mean(axis=1))
 
 
 def test_a_vtk_is_written(tmp_path):
     mesh = build(info_of(TOWER))
+    ten = build(info_of(TOWER), Options("pqo2"))
+    ten.write_vtk(tmp_path / "ten.vtk")
+    lines = (tmp_path / "ten.vtk").read_text().splitlines()
+    nodes = np.array(lines[-2 - len(ten.elements)].split()[1:], int)
+    places = np.array(ten.points)[nodes]
+    assert np.allclose(places[4], places[:2].mean(axis=0)) and np.allclose(
+        places[9], places[2:4].mean(axis=0))
     mesh.write_vtk(tmp_path / "mesh.vtk")
     lines = (tmp_path / "mesh.vtk").read_text().splitlines()
     at = lines.index(f"POINTS {len(mesh.points)} double")
@@ -225,7 +233,7 @@ def test_values_of_points_are_refused():
 
 
 def ball(n):
-    """A surface of triangles: an octahedron, refined and put on a sphere."""
+    """A surface of triangles: that of a cube, put on a sphere."""
     points, faces = cube_of(n)
     points = points - 0.5
     return points / np.linalg.norm(points, axis=1, keepdims=True), faces

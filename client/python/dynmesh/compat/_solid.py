@@ -131,7 +131,7 @@ class Body:
 
     points: Array
     facets: Sequence[Sequence[Sequence[int]]]  #: Rings of vertices, the outer one first
-    markers: Array  #: A number for each facet
+    markers: Optional[Array]  #: A number for each facet
     holes: Array  #: A place in each
     regions: Array  #: x, y, z, attribute, largest volume (not above 0: none)
     ratio: float = 2.0
@@ -155,7 +155,8 @@ class Solid:
         if len(body.facets) == 0:
             raise ValueError("facets: there are none, and a mesh is between facets")
         self.body = body
-        facets, markers = body.facets, body.markers
+        facets = body.facets
+        markers = np.ones(len(facets), np.int32) if body.markers is None else body.markers
         if body.merges:
             facets, markers = merged(body.points, facets, markers)
         self._markers = markers
@@ -197,12 +198,8 @@ class Solid:
         return result
 
     def facet_markers(self) -> Array:
-        """Of each face of `cut.facets`: that of the facet, without one 1 on the border and 0 inside."""
-        cut = self.cut
-        faces = _topology.faces_of(cut.cells)[cut.neighbours < 0]
-        border, facets = _topology.common_keys(faces, cut.facets, len(cut.points))
-        markers = self._markers[cut.facet_owners]
-        result: Array = np.where(markers != 0, markers, np.isin(facets, border)).astype(np.int32)
+        """Of each face of `cut.facets` that of the facet; 1 if facets have none."""
+        result: Array = self._markers[self.cut.facet_owners].astype(np.int32)
         return result
 
     def vertex_markers(self, given: Array) -> Array:
@@ -285,10 +282,15 @@ def _outline(faces: list[list[int]]) -> list[int]:
     return ring
 
 
-def with_middles(points: Array, cells: Array) -> tuple[Array, Array]:
-    """Tetrahedra of ten nodes, in the order of VTK: middles of 01, 12, 02, 03, 13, 23 after the corners."""
+#: The corners between which the nodes of a tetrahedron are, after the corners.
+ORDER_OF_TETGEN = (2, 3), (0, 3), (0, 1), (1, 2), (1, 3), (0, 2)
+ORDER_OF_VTK = (0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)
+
+
+def with_middles(points: Array, cells: Array, order_of: Sequence[tuple[int, int]]) -> tuple[Array, Array]:
+    """Tetrahedra of ten nodes: corners, then middles of edges in the order of `order_of`."""
     edges = _topology.edges_of(cells)
-    pairs = np.concatenate([cells[:, pair] for pair in ([0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3])])
+    pairs = np.concatenate([cells[:, pair] for pair in order_of])
     edge_keys, pair_keys = _topology.common_keys(edges, pairs, len(points))
     order = np.argsort(edge_keys)
     of = order[np.searchsorted(edge_keys[order], pair_keys)].reshape(6, -1).T
@@ -310,5 +312,5 @@ def write_vtk(path: Any, points: Array, cells: Array) -> None:
         file.writelines(row + "\n" for row in rows)
 
 
-__all__ = ["Body", "LEAST_RATIO", "Solid", "SolidSwitches", "merged", "parse",
+__all__ = ["Body", "LEAST_RATIO", "ORDER_OF_TETGEN", "ORDER_OF_VTK", "Solid", "SolidSwitches", "merged", "parse",
            "with_middles", "write_vtk"]

@@ -84,10 +84,11 @@ class TetGen:
         #: Corners of the surface's triangles, (m, 3); None if it has other polygons.
         self.f: Optional[Array] = (np.array([p[0] for p in self._rings], np.int32).reshape(-1, 3)
                                    if is_triangular else None)
-        self._markers = (np.zeros(len(self._rings), np.int32) if markers is None
-                         else np.asarray(markers, np.int32).reshape(-1))
-        if len(self._markers) != len(self._rings):
-            raise ValueError(f"face markers: {len(self._rings)} numbers, and got {len(self._markers)}")
+        self._markers: Optional[Array] = None
+        if markers is not None:
+            self._markers = np.asarray(markers, np.int32).reshape(-1)
+            if len(self._markers) != len(self._rings):
+                raise ValueError(f"face markers: {len(self._rings)} numbers, and got {len(self._markers)}")
         #: The mesh's vertices, (n, 3), those of the surface first; None before `tetrahedralize`.
         self.node: Optional[Array] = None
         #: Corners of tetrahedra, (m, 4) or, with `order=2`, (m, 10), int32.
@@ -96,7 +97,7 @@ class TetGen:
         self.attributes: Optional[Array] = None
         #: The mesh's triangles on the surface: (k, 3), int32.
         self.trifaces: Optional[Array] = None
-        #: A number for each of `trifaces`: that of its face, else 1 on the border.
+        #: A number for each of `trifaces`: that of its face; 1 if faces have none.
         self.triface_markers: Optional[Array] = None
         self._regions: dict[int, tuple[Any, float]] = {}
         self._holes: list[Any] = []
@@ -186,7 +187,8 @@ class TetGen:
         cut = solid.cut
         self.node, self.elem = cut.points, cut.cells
         if wanted.order == 2:
-            self.node, self.elem = _solid.with_middles(self.node, self.elem)
+            self.node, self.elem = _solid.with_middles(self.node, self.elem,
+                                                         _solid.ORDER_OF_VTK)
         self.trifaces, self.triface_markers = cut.facets, solid.facet_markers()
         self.attributes = solid.attributes().reshape(-1, 1) if wanted.attributes else None
         if self.attributes is not None:

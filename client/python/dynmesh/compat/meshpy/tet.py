@@ -71,7 +71,7 @@ class MeshInfo(Arrays):
         self.point_markers = ForeignArray(np.int32, 1, self.points)
         #: Values of vertices. A mesh of tetrahedra has none: `Unsupported` if they are set.
         self.point_attributes = ForeignArray(np.float64, 1, self.points)
-        #: The corners of tetrahedra; ten nodes, in the order of VTK, with the switch o2.
+        #: The corners of tetrahedra; with the switch o2 the middles of 23, 03, 01, 12, 13, 02 after them.
         self.elements = ForeignArray(np.int32, 4)
         #: Of a mesh that was built with `attributes`: the attribute of each tetrahedron's region.
         self.element_attributes = ForeignArray(np.float64, 1, self.elements)
@@ -128,7 +128,11 @@ class MeshInfo(Arrays):
         Args:
             filename: the file; an old one is replaced.
         """
-        _solid.write_vtk(filename, np.asarray(self.points), np.asarray(self.elements))
+        cells = np.asarray(self.elements)
+        if cells.shape[1] == 10:
+            order = [_solid.ORDER_OF_TETGEN.index(pair) for pair in _solid.ORDER_OF_VTK]
+            cells = np.concatenate([cells[:, :4], cells[:, 4:][:, order]], axis=1)
+        _solid.write_vtk(filename, np.asarray(self.points), cells)
 
 
 #: Members of TetGen's options: of those that are supported the values that there are without them.
@@ -258,8 +262,7 @@ def build(mesh_info: MeshInfo, options: Optional[Options] = None, verbose: bool 
     volume = max_volume
     if volume is None and member["maxvolume"] > 0:
         volume = float(member["maxvolume"])
-    markers = (np.array(mesh_info.facet_markers) if mesh_info.facet_markers.allocated
-               else np.zeros(len(rows), np.int32))
+    markers = np.array(mesh_info.facet_markers) if mesh_info.facet_markers.allocated else None
     solid = _solid.Solid(_solid.Body(
         given, rows, markers, array_of(mesh_info.holes, "holes", 3),
         array_of(mesh_info.regions, "regions", 5), ratio=float(member["minratio"]),
@@ -277,7 +280,7 @@ def _result(info: MeshInfo, solid: _solid.Solid, member: dict[str, Any], attribu
         point_markers[:len(info.points)] = np.array(info.point_markers)
     all_markers = solid.vertex_markers(point_markers)
     if member["order"] == 2:
-        points, cells = _solid.with_middles(points, cells)
+        points, cells = _solid.with_middles(points, cells, _solid.ORDER_OF_TETGEN)
         all_markers = np.concatenate([all_markers, np.zeros(len(points) - len(cut.points), np.int32)])
     mesh = MeshInfo()
     mesh.points._set(points)
