@@ -75,6 +75,11 @@ def test_angles_and_areas(kwargs, least, largest):
     assert np.array(mesh.points)[:4].tolist() == np.array(SQUARE, float).tolist()
 
 
+def test_without_quality_there_are_no_new_vertices():
+    mesh = triangle.build(info_of(SQUARE, round_trip(0, 3)), quality_meshing=False)
+    assert len(mesh.points) == 4 and len(mesh.elements) == 2
+
+
 def test_regions_markers_faces_and_neighbours():
     points = [(0, 0), (1, 0), (2, 0), (2, 1), (1, 1), (0, 1)]
     info = info_of(points, [*round_trip(0, 5), (1, 4)], facet_markers=[1, 2, 3, 4, 5, 6, 9])
@@ -186,7 +191,6 @@ def test_outlines_are_written_for_gnuplot(tmp_path):
 
 
 @pytest.mark.parametrize("kwargs, error, text", [
-    (dict(quality_meshing=False), Unsupported, "is not there yet"),
     (dict(allow_volume_steiner=False), Unsupported, "allow_volume_steiner"),
     (dict(min_angle=33), Unsupported, "min_angle: the least angle is 33"),
     (dict(max_volume=0), ValueError, "max_volume"), (dict(mesh_order=3), ValueError, "mesh_order"),

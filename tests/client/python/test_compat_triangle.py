@@ -7,7 +7,7 @@ import pytest
 import compat_checks as checks
 import dynmesh
 import dynmesh.compat.triangle as tr
-from dynmesh.compat import Unsupported, _domain, _planar
+from dynmesh.compat import Unsupported
 
 
 def ring_of(n, first=0):
@@ -393,7 +393,6 @@ def test_the_dual_of_a_delaunay_mesh():
     ("pqv", Unsupported, r"the switch v: .*voronoi\(points\)"),
     ("pqg", Unsupported, "the switch g"),
     ("pq31", Unsupported, "q: the least angle is 31 degrees, and dynmesh keeps up to 30"),
-    ("p", Unsupported, "without new vertices.*switch q"), ("", Unsupported, "switch q"),
     ("pqa1e-5", ValueError, "exponent"), ("pqa0", ValueError, "above 0"),
     ("pqw", ValueError, "no switch 'w'"), ("pqo3", ValueError, "o2"), ("pq!", ValueError, "no switch"),
     ("rq", ValueError, "r refines a mesh")])
@@ -444,16 +443,44 @@ def test_opts_are_a_string():
         tr.triangulate(SQUARE, 30)
 
 
-@pytest.mark.parametrize("function", [tr.delaunay, tr.voronoi])
-def test_triangulations_without_new_vertices_are_not_there_yet(function):
-    with pytest.raises(Unsupported, match="is not there yet"):
-        function([(0, 0), (1, 0), (0, 1)])
+def check_constrained_delaunay(points, triangles, segments):
+    """Of each edge that is no segment, the vertices beside it are not in each other's circles."""
+    walls = {frozenset(pair) for pair in np.asarray(segments).tolist()}
+    for face, rows in checks.faces(triangles).items():
+        if len(rows) == 2 and face not in walls:
+            checks.check_delaunay(points, triangles[[rows[0][0], rows[1][0]]])
 
 
-def test_all_but_the_triangulation_is_there(monkeypatch):
-    """In its place a mesh that has no new vertices, because the input is good."""
-    monkeypatch.setattr(_planar, "triangulated", lambda points, segments: _domain.Domain(
-        points, segments, dict(rho=100.0)))
+@pytest.mark.parametrize("name", AREAS)
+@pytest.mark.parametrize("opts", ["p", "pAen", "pO", "pc", ""])
+def test_triangulations_have_no_new_vertices(name, opts):
+    tri, area = AREAS[name]
+    mesh = tr.triangulate(tri, opts)
+    points, triangles = mesh["vertices"], mesh["triangles"]
+    assert (points == np.array(tri["vertices"], float)).all()
+    if opts in ("p", "pAen"):
+        assert math.isclose(checks.measures(points, triangles).sum(), area, rel_tol=1e-9)
+    if "p" in opts:
+        edges = checks.edges(triangles)
+        assert all(frozenset(pair) in edges for pair in tri["segments"])
+    assert (checks.measures(points, triangles) > 0).all()
+    check_constrained_delaunay(points, triangles, mesh.get("segments", np.zeros((0, 2), int)))
+
+
+def test_values_are_linear_in_the_triangulation():
+    values = np.random.default_rng(7).random(8)
+    coarse = tr.triangulate(BOX, "p")
+    fine = tr.triangulate(dict(BOX, vertex_attributes=values), "pqa0.05")
+    points, triangles = coarse["vertices"], coarse["triangles"]
+    for place, value in zip(fine["vertices"][8:], fine["vertex_attributes"][8:, 0]):
+        corners = points[triangles]
+        system = np.concatenate([corners, np.ones((len(triangles), 3, 1))], axis=2).transpose(0, 2, 1)
+        weights = np.linalg.solve(system, np.tile([*place, 1], (len(triangles), 1))[:, :, None])[:, :, 0]
+        best = weights.min(axis=1).argmax()
+        assert math.isclose(weights[best] @ values[triangles[best]], value, abs_tol=1e-9)
+
+
+def test_a_hexagon_without_new_vertices():
     t = np.arange(6) * math.pi / 3
     ring = np.stack([np.cos(t), np.sin(t)], axis=1)
     points = [*ring.tolist(), (0, 0)]

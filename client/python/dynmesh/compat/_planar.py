@@ -10,7 +10,6 @@ import numpy as np
 from dynmesh._types import Array
 from dynmesh.compat import _topology
 from dynmesh.compat._domain import Cut, Domain, check_count, max_edge_of, rho_of, target_of
-from dynmesh.compat._errors import Unsupported
 from dynmesh.compat._values import interpolate
 from dynmesh.errors import FailedPrecondition, InvalidArgument
 
@@ -19,13 +18,8 @@ DEFAULT_RHO = 2**0.5
 
 
 def triangulated(points: Array, segments: list[list[int]]) -> Domain:
-    """The constrained Delaunay triangulation of the input, without new vertices.
-
-    The one place that would make it: dynmesh has none yet. All else is ready for it.
-    """
-    raise Unsupported(
-        "a constrained Delaunay triangulation without new vertices is not there yet: meshes have a bound of "
-        "angles; add the switch q for one (q0 for the fewest new vertices)")
+    """The constrained Delaunay triangulation of the input, without new vertices."""
+    return Domain(points, segments, dict(kind="triangulation"))
 
 
 @dataclass
@@ -94,9 +88,9 @@ class Planar:
         return domain.cut(self.graph.holes, self.graph.regions[:, :2], keep=keep)
 
     def base(self) -> tuple[Domain, Cut]:
-        """A mesh with few new vertices, for what must be known before the mesh is made."""
+        """The triangulation of the input, for what must be known before the mesh is made."""
         if self._base is None:
-            domain = Domain(self.graph.points, self._segments.tolist(), dict(rho=100.0))
+            domain = triangulated(self.graph.points, self._segments.tolist())
             self._base = domain, self._cut_of(domain)
         return self._base
 
@@ -154,8 +148,8 @@ class Planar:
         new = self.cut.points[self.cut.inputs:]
         if len(new) == 0:
             return given
-        domain, base = self.base()
-        return np.concatenate([given, interpolate(base, domain.pieces, given, new)])
+        _, base = self.base()
+        return np.concatenate([given, interpolate(base, given, new)])
 
     def region_attributes(self) -> Array:
         """The attribute of each triangle's region, 0 outside of regions: (triangles, 1)."""

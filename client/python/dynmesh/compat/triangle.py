@@ -141,7 +141,8 @@ def triangulate(tri: Mapping[str, Any], opts: str = "") -> dict[str, Any]:
             0 being none.
         opts: switches. p: segments, holes and regions count. q, q30: least angle, 20 by default, at most
             30. a0.1: largest area; a: those of `regions`, with r of `triangle_max_area`. r: refines
-            `triangles`. c: the convex hull is enclosed. D: Delaunay, which meshes with q or a are anyway.
+            `triangles`. c: the convex hull is enclosed. D: Delaunay, which meshes with q or a are anyway. Without q, a, D and s no new
+            vertices.
             Y, YY: no new vertices on the border, on all segments. S100: an error if more new vertices are
             needed. A: `triangle_attributes` tell regions. e: edges. n: neighbours. o2: six nodes. j:
             vertices without a triangle are left out. B, P, N, E: no markers, segments, vertices, triangles.
@@ -149,7 +150,7 @@ def triangulate(tri: Mapping[str, Any], opts: str = "") -> dict[str, Any]:
 
     Returns:
         Arrays by key. `vertices` (n, 2): those of the input first, in their order. `vertex_markers` (n, 1).
-        `vertex_attributes`, at new vertices linear in a coarse mesh of the input. `triangles` (m, 3),
+        `vertex_attributes`, at new vertices linear in the input's triangulation. `triangles` (m, 3),
         counter-clockwise. With A `triangle_attributes`. With p or c `segments` and `segment_markers`. With e
         `edges` and `edge_markers`. With n `neighbors` (m, 3), opposite to each corner, -1: none. Numbers are
         int32.
@@ -261,10 +262,7 @@ def convex_hull(pts: Any) -> Array:
 
 
 def delaunay(pts: Any) -> Array:
-    """The Delaunay triangulation of points `pts`, (n, 2): (triangles, 3), int32.
-
-    Raises `Unsupported`: dynmesh has no triangulation without new vertices yet.
-    """
+    """The Delaunay triangulation of points `pts`, (n, 2): (triangles, 3), int32."""
     cells: Array = triangulate(dict(vertices=pts))["triangles"]
     return cells
 
@@ -278,8 +276,6 @@ def voronoi(pts: Any) -> tuple[Array, Array, Array, Array]:
     Returns:
         Its vertices (n, 2); its finite edges as pairs of them; of the rays the vertices where they begin,
         and their directions, with the length of the points' edge that a ray bisects.
-
-    Raises `Unsupported`: dynmesh has no triangulation without new vertices yet.
     """
     points = array_of(pts, "pts", 2)
     return dual_of(points, delaunay(points))

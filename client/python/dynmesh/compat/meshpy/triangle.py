@@ -136,7 +136,7 @@ def build(mesh_info: MeshInfo, verbose: bool = False, refinement_func: Refinemen
         max_volume: the largest area of a triangle.
         allow_boundary_steiner: new vertices on the border; False: its segments stay whole.
         allow_volume_steiner: new vertices inside; False is `Unsupported`.
-        quality_meshing: with a least angle. False needs `max_volume` or another bound of areas.
+        quality_meshing: with a least angle. False, without a bound of areas: no new vertices.
         generate_edges: an older name of `generate_faces`.
         generate_faces: the mesh has its edges, as `faces`.
         min_angle: degrees, up to 30; None: 20.
