@@ -3,6 +3,7 @@
 A name of the package that index.rst leaves out is a warning, and so are a member without a docstring
 and a docstring that does not name a parameter.
 """
+import importlib
 import inspect
 import pathlib
 import re
@@ -33,6 +34,11 @@ autodoc_type_aliases = {"Array": "Array", "Kind": "Kind", "Pem": "Pem", "Progres
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 
+WITH_SIGNATURE = ("dynmesh.Series", "dynmesh.compat.meshpy.tet.Options", "dynmesh.compat.tetgen.TetGen")
+# Those of whose names index.rst has all.
+MODULES = ("dynmesh", "dynmesh.compat", "dynmesh.compat.triangle",
+           "dynmesh.compat.meshpy.triangle", "dynmesh.compat.meshpy.tet", "dynmesh.compat.tetgen")
+
 _log = logging.getLogger(__name__)
 
 
@@ -53,16 +59,15 @@ def _check(app, what, name, thing, options, lines):
 
 def _hide(app, what, name, thing, options, signature, returns):
     """Of a class what its constructor takes, unless index.rst says it: most are made by functions."""
-    return ("", None) if what == "class" and name != "dynmesh.Series" else None
+    return ("", None) if what == "class" and name not in WITH_SIGNATURE else None
 
 
 def _check_names(app, environment):
-    import dynmesh
-
     documented = environment.get_domain("py").objects
-    for name in dynmesh.__all__:
-        if f"dynmesh.{name}" not in documented:
-            _log.warning("index.rst does not have dynmesh.%s", name)
+    for module in MODULES:
+        for name in importlib.import_module(module).__all__:
+            if f"{module}.{name}" not in documented:
+                _log.warning("index.rst does not have %s.%s", module, name)
 
 
 def setup(app):

@@ -404,8 +404,9 @@ class Packages(Folder):
     def test_the_python_package_is_whole(self):
         files = self.listing("python3-dynmesh")
         folder = f"/usr/{PYTHON_FOLDER}"
-        sources = {path.name for path in (SOURCE / "client/python/dynmesh").glob("*.py*")
-                   if path.is_file()} | {"py.typed"}
+        package = SOURCE / "client/python/dynmesh"
+        sources = {path.relative_to(package).as_posix() for path in package.rglob("*.py*")
+                   if path.is_file() and "__pycache__" not in path.parts} | {"py.typed"}
         (module,) = [name for name in files if name.endswith(".so")]
         self.assertRegex(module, rf"^{folder}/dynmesh/_core\.cpython-\d+-[a-z0-9_-]+\.so$")
         self.assertEqual(set(files), {

@@ -51,8 +51,10 @@ def _build() -> pathlib.Path:
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    files = {f"dynmesh/{path.name}": path.read_bytes() for path in sorted(_build().iterdir())
-             if path.is_file()}
+    package = _build()
+    files = {f"dynmesh/{path.relative_to(package).as_posix()}": path.read_bytes()
+             for path in sorted(package.rglob("*"))
+             if path.is_file() and "__pycache__" not in path.parts}
     files.update({name: text.encode() for name, text in _metadata().items()})
     record = f"dynmesh-{_version()}.dist-info/RECORD"
     lines = []

@@ -57,6 +57,8 @@ TEST(OptionsCodec, AKindBringsItsDefaults) {
   EncodeOptions(*options, &back);
   EXPECT_EQ(*DecodeOptions(back, 100), *options);
   proto.set_dimension(2);
+  proto.mutable_box()->mutable_lo()->clear_z();
+  proto.mutable_box()->mutable_hi()->clear_z();
   proto.set_kind(v1::MESH_KIND_TRIANGULATION);
   const auto triangulation = DecodeOptions(proto, 100);
   ASSERT_TRUE(triangulation.ok()) << triangulation.status();
