@@ -218,6 +218,7 @@ int Run(MeshCommand command) {
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
+  if (input->verdict && input->verdict->ok()) build.valid = **input->verdict;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
   const auto make = [&] {

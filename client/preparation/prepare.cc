@@ -19,8 +19,8 @@
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
 #include "core/io/formats/prepare_surface.h"
-#include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
+#include "dynmesh/valid_features.h"
 
 namespace dynmesh::preparation {
 namespace {
@@ -66,20 +66,20 @@ bool MayBeRefused(const std::vector<Feature>& features, double distance) {
 }
 
 // OK if a mesh accepts it, and gaps do not take too many vertices, as far as that is known before.
-absl::Status RefusalOf(const std::vector<Feature>& features, MeshOptions options) {
+io::Verdict VerdictOn(const std::vector<Feature>& features, MeshOptions options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  if (!MayBeRefused(features, LeastDistance(options))) return absl::OkStatus();
+  if (!MayBeRefused(features, LeastDistance(options))) return nullptr;
   options.limits.max_vertices =
       options.dimension == 2
           ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * features.size())
           : DefaultMostVertices(features, options);
-  const auto mesh = DynamicMesh::Create(options);
-  return mesh.ok() ? (*mesh)->Validate(AddAll(features)) : mesh.status();
+  return ValidFeatures::Of(features, options);
 }
 
-// It may have been asked already, as faces were joined.
-absl::Status Refusal(const Geometry& geometry) {
-  return geometry.verdict ? *geometry.verdict : RefusalOf(geometry.features, geometry.options);
+// What a mesh refuses of it. It may have been asked already, as faces were joined.
+absl::Status Refusal(Geometry& geometry) {
+  if (!geometry.verdict) geometry.verdict = VerdictOn(geometry.features, geometry.options);
+  return geometry.verdict->status();
 }
 
 // A refusal that names features, or is for the size of the mesh. Others are of the options.
@@ -94,7 +94,7 @@ bool IsOfAngle(const absl::Status& refusal) {
 }
 
 // What a mesh refuses of what was read, and its open edges. Returns whether these may be closed.
-bool Describe(const Geometry& geometry, double within, Report& report) {
+bool Describe(Geometry& geometry, double within, Report& report) {
   report.found = Refusal(geometry);
   report.within = within;
   report.Add("ring closed", geometry.mended.closed);
@@ -213,7 +213,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   const auto start = std::chrono::steady_clock::now();
   const bool may_be = MayBePrepared(path, options);
   io::GeometryOptions reading = as_asked;
-  if (may_be) reading.judge = RefusalOf;
+  if (may_be) reading.judge = VerdictOn;
   const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
   const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const auto within_of = [&](const Geometry& geometry) {
@@ -248,7 +248,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   bool to_close = false;
   if (given.ok()) {
     as_read.geometry = *std::move(given);
-    const Geometry& geometry = as_read.geometry;
+    Geometry& geometry = as_read.geometry;
     const bool in_space = geometry.options.dimension == 3;
     if (in_space && !is_surface && !options.within && !options.fill_holes) return as_read;
     const double within = within_of(geometry);
