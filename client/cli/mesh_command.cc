@@ -161,11 +161,15 @@ std::optional<double> LargerTolerance(const MeshCommand& command, const Input& i
   if (!input.preparation || format == nullptr || !format->Is(io::kSurface)) return std::nullopt;
   if (command.mesh.max_vertices) return std::nullopt;
   InputFlags reading = command.reading;
-  reading.least_tolerance = preparation::ToleranceIfTooFine(*input.preparation, refusal);
-  if (!reading.least_tolerance) return std::nullopt;
-  const absl::StatusOr<Input> again = LoadInput(command.input, reading);
-  if (!again.ok() || !again->preparation || !again->preparation->is_mended) return std::nullopt;
-  return reading.least_tolerance;
+  preparation::Report report = *input.preparation;
+  while (const auto larger = preparation::ToleranceIfTooFine(report, refusal)) {
+    reading.least_tolerance = larger;
+    const absl::StatusOr<Input> again = LoadInput(command.input, reading);
+    if (!again.ok() || !again->preparation || !again->preparation->is_mended) break;
+    if (again->features != input.features) return larger;
+    report = *again->preparation;
+  }
+  return std::nullopt;
 }
 
 int Run(MeshCommand command) {
