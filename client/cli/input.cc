@@ -52,7 +52,8 @@ absl::Status CheckFormat(const std::string& path, const InputFlags& flags) {
 absl::StatusOr<io::Geometry> Read(const std::string& path, const InputFlags& flags,
                                   const io::GeometryOptions& options,
                                   std::optional<preparation::Report>& report) {
-  const preparation::PrepareOptions preparing = {flags.within, flags.fill_holes};
+  const preparation::PrepareOptions preparing = {flags.within, flags.fill_holes,
+                                                 flags.least_tolerance};
   if (!flags.prepare || flags.refine || flags.merge_coplanar ||
       !preparation::MayBePrepared(path, preparing)) {
     return io::ReadGeometry(path, options);
@@ -129,6 +130,13 @@ void AddPreparationFlags(CLI::App& command, InputFlags& flags) {
                   "Of a surface: fill holes, loops of edges with one face, up to this length. Flat "
                   "ones become a polygon, others triangles of their corners")
       ->type_name("LENGTH")
+      ->excludes(exact);
+  command
+      .add_option(
+          "--mending-tolerance", flags.least_tolerance,
+          "Of a surface: mend it with no lesser tolerance, even if a mesh accepts it. `mesh` "
+          "does so by itself where it would take too many vertices, and says with which one")
+      ->type_name("T")
       ->excludes(exact);
 }
 

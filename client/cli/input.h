@@ -40,7 +40,8 @@ struct InputFlags : io::GeometryOptions {
   // `fill_holes`, any.
   bool prepare = false;
   std::optional<double> within;
-  std::optional<double> fill_holes;  // the longest (preparation/open_loops.h)
+  std::optional<double> fill_holes;       // the longest (preparation/open_loops.h)
+  std::optional<double> least_tolerance;  // of mending
   // A map's polygons are polygons even without `polygons`.
   bool is_map_of_polygons = false;
 };
@@ -48,7 +49,7 @@ struct InputFlags : io::GeometryOptions {
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 // Of commands that make a mesh of a file, or compare them: --segments, and polygons without it.
 void AddMapFlags(CLI::App& command, InputFlags& flags);
-// Of these and `load`: --exact, --within and --fill-holes.
+// Of these and `load`: --exact, --within, --fill-holes and --mending-tolerance.
 void AddPreparationFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension (core/io/formats). Any extension that is not a known kind of

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
@@ -151,6 +153,25 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
       mesh.vertices.size(), coarsest, finest, build_seconds, mesh.hash.ToHex());
 }
 
+// Of a surface file that is too fine as it was mended, or as it is: the least tolerance of mending
+// that leaves something else.
+std::optional<double> LargerTolerance(const MeshCommand& command, const Input& input,
+                                      const absl::Status& refusal) {
+  const io::Format* const format = io::FindFormat(command.input);
+  if (!input.preparation || format == nullptr || !format->Is(io::kSurface)) return std::nullopt;
+  if (command.mesh.max_vertices) return std::nullopt;
+  InputFlags reading = command.reading;
+  preparation::Report report = *input.preparation;
+  while (const auto larger = preparation::ToleranceIfTooFine(report, refusal)) {
+    reading.least_tolerance = larger;
+    const absl::StatusOr<Input> again = LoadInput(command.input, reading);
+    if (!again.ok() || !again->preparation || !again->preparation->is_mended) break;
+    if (again->features != input.features) return larger;
+    report = *again->preparation;
+  }
+  return std::nullopt;
+}
+
 int Run(MeshCommand command) {
   command.selection.inside |= command.reading.refine;
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
@@ -218,6 +239,7 @@ int Run(MeshCommand command) {
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
+  if (input->verdict && input->verdict->ok()) build.valid = **input->verdict;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
   const auto make = [&] {
@@ -229,6 +251,14 @@ int Run(MeshCommand command) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!mesh.ok()) {
+    const std::optional<double> larger =
+        is_remote ? std::nullopt : LargerTolerance(command, *input, mesh.status());
+    if (larger) {
+      PrintWarning(Concat(command.input, ": ", text::View(mesh.status().message()),
+                          "; tried again with --mending-tolerance ", *larger));
+      command.reading.least_tolerance = larger;
+      return Run(std::move(command));
+    }
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
     if (absl::IsResourceExhausted(named)) {
       return ReportTooLarge(named, *input, is_remote ? "" : limit.reason);

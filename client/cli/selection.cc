@@ -60,17 +60,26 @@ std::vector<FeatureId> FreeEnds(const Mesh& mesh) {
 
 // The same in 3D: the polygons with an edge that no other one has.
 std::vector<FeatureId> FreeEdges(const Mesh& mesh) {
-  std::map<std::array<VertexId, 2>, std::vector<FeatureId>> uses;
+  struct Use {
+    VertexId a, b;
+    FeatureId owner;
+  };
+  std::vector<Use> uses;
+  uses.reserve(3 * mesh.subfacets.size());
   for (std::size_t i = 0; i < mesh.subfacets.size(); ++i) {
     const VertexId* const c = &mesh.subfacets.corners[3 * i];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(c[k], c[(k + 1) % 3]);
-      uses[{a, b}].push_back(mesh.subfacets.owners[i]);
+      uses.push_back({a, b, mesh.subfacets.owners[i]});
     }
   }
+  std::ranges::sort(uses, {}, [](const Use& use) { return std::pair(use.a, use.b); });
   std::set<FeatureId> polygons;
-  for (const auto& [edge, owners] : uses) {
-    if (owners.size() == 1) polygons.insert(owners.front());
+  for (auto use = uses.begin(); use != uses.end();) {
+    const auto end = std::find_if(
+        use, uses.end(), [&](const Use& other) { return other.a != use->a || other.b != use->b; });
+    if (end - use == 1) polygons.insert(use->owner);
+    use = end;
   }
   return {polygons.begin(), polygons.end()};
 }

@@ -19,8 +19,8 @@
 #include "core/base/text.h"
 #include "core/io/formats/formats.h"
 #include "core/io/formats/prepare_surface.h"
-#include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
+#include "dynmesh/valid_features.h"
 
 namespace dynmesh::preparation {
 namespace {
@@ -31,6 +31,10 @@ using text::Concat;
 // In degrees. What meets at a lesser angle becomes one, in a surface that a mesh refuses for an
 // angle: twice what it takes at a corner.
 constexpr double kLeastAngle = 0.002;
+// The same at a common edge of faces, if nothing else helps.
+constexpr double kLeastAngleAtEdges = 0.1;
+// Tolerances for what takes too many vertices, in units of D.
+constexpr double kSharesOfTooFine[] = {0.1, 0.5, 1};
 // Of fewer faces, what does not meet is so far apart, in roundings of the file's numbers: joining
 // moves corners by a few of them.
 constexpr double kRoundingsApart = 4;
@@ -66,20 +70,20 @@ bool MayBeRefused(const std::vector<Feature>& features, double distance) {
 }
 
 // OK if a mesh accepts it, and gaps do not take too many vertices, as far as that is known before.
-absl::Status RefusalOf(const std::vector<Feature>& features, MeshOptions options) {
+io::Verdict VerdictOn(const std::vector<Feature>& features, MeshOptions options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  if (!MayBeRefused(features, LeastDistance(options))) return absl::OkStatus();
+  if (!MayBeRefused(features, LeastDistance(options))) return nullptr;
   options.limits.max_vertices =
       options.dimension == 2
           ? std::max(kVerticesOfGaps, kVerticesOfGapsForFeature * features.size())
           : DefaultMostVertices(features, options);
-  const auto mesh = DynamicMesh::Create(options);
-  return mesh.ok() ? (*mesh)->Validate(AddAll(features)) : mesh.status();
+  return ValidFeatures::Of(features, options);
 }
 
-// It may have been asked already, as faces were joined.
-absl::Status Refusal(const Geometry& geometry) {
-  return geometry.verdict ? *geometry.verdict : RefusalOf(geometry.features, geometry.options);
+// What a mesh refuses of it. It may have been asked already, as faces were joined.
+absl::Status Refusal(Geometry& geometry) {
+  if (!geometry.verdict) geometry.verdict = VerdictOn(geometry.features, geometry.options);
+  return geometry.verdict->status();
 }
 
 // A refusal that names features, or is for the size of the mesh. Others are of the options.
@@ -94,7 +98,7 @@ bool IsOfAngle(const absl::Status& refusal) {
 }
 
 // What a mesh refuses of what was read, and its open edges. Returns whether these may be closed.
-bool Describe(const Geometry& geometry, double within, Report& report) {
+bool Describe(Geometry& geometry, double within, Report& report) {
   report.found = Refusal(geometry);
   report.within = within;
   report.Add("ring closed", geometry.mended.closed);
@@ -107,10 +111,11 @@ bool Describe(const Geometry& geometry, double within, Report& report) {
 
 // The result of the least tolerance that a mesh accepts; if open edges are `to_close`, that of the
 // least one that closes them, if there is one. NOT_FOUND if the least tolerance leaves nothing.
+// `sharp` gets those after which a mesh refused it for an angle.
 absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
-                                             bool to_close) {
+                                             bool to_close, const std::vector<double>& tolerances,
+                                             double least_angle, std::vector<double>& sharp) {
   std::optional<Prepared> best;
-  const std::vector<double> tolerances = cleaner.Tolerances();
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
   std::uint64_t steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
@@ -118,8 +123,9 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
     absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps, is_open_no_use);
     absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
     if (IsOfAngle(refusal)) {
-      cleaned = cleaner.Clean(tolerance, kLeastAngle, steps, is_open_no_use);
+      cleaned = cleaner.Clean(tolerance, least_angle, steps, is_open_no_use);
       if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
+      if (IsOfAngle(refusal)) sharp.push_back(tolerance);
     }
     if (absl::IsNotFound(cleaned.status()) && tolerance == tolerances.front()) {
       return cleaned.status();
@@ -134,6 +140,17 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
     if (best && (is_closed || !to_close)) break;
   }
   return best;
+}
+
+// The same, of no tolerance below the `least`. Where that does not help, and a mesh refuses results
+// for an angle, what meets at a larger one becomes one, too.
+absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
+                                             bool to_close, double least) {
+  std::vector<double> tolerances = cleaner.Tolerances(), sharp, still_sharp;
+  std::erase_if(tolerances, [&](double tolerance) { return tolerance < least; });
+  auto mended = Mend(cleaner, as_read, to_close, tolerances, kLeastAngle, sharp);
+  if (!mended.ok() || *mended || sharp.empty()) return mended;
+  return Mend(cleaner, as_read, to_close, sharp, kLeastAngleAtEdges, still_sharp);
 }
 
 // `prepared` with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
@@ -174,7 +191,8 @@ void Fill(double longest, const io::GeometryOptions& reading, Prepared& prepared
     // Its polygons may have several rings: they are cleaned as those of a file of facets.
     const Cleaner cleaner(filled, reading, /*is_surface=*/false, /*is_closed=*/false,
                           report.within - report.farthest);
-    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, report, /*to_close=*/false);
+    absl::StatusOr<std::optional<Prepared>> mended =
+        Mend(cleaner, report, /*to_close=*/false, /*least=*/0);
     if (!mended.ok() || !*mended) return;
     filled = std::move((*mended)->geometry);
     report.farthest += (*mended)->report.farthest;
@@ -206,14 +224,15 @@ bool MayBePrepared(const std::string& path, const PrepareOptions& options) {
 
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& as_asked,
                                  const PrepareOptions& options) {
-  for (const auto& [flag, length] :
-       {std::pair("--within", options.within), {"--fill-holes", options.fill_holes}}) {
+  for (const auto& [flag, length] : {std::pair("--within", options.within),
+                                     {"--fill-holes", options.fill_holes},
+                                     {"--mending-tolerance", options.least_tolerance}}) {
     if (absl::Status status = CheckLength(flag, length); !status.ok()) return status;
   }
   const auto start = std::chrono::steady_clock::now();
   const bool may_be = MayBePrepared(path, options);
   io::GeometryOptions reading = as_asked;
-  if (may_be) reading.judge = RefusalOf;
+  if (may_be) reading.judge = VerdictOn;
   const io::Format* const format = io::FindFormat(path);  // null: a script of any extension
   const bool is_surface = format != nullptr && format->Is(io::kSurface);
   const auto within_of = [&](const Geometry& geometry) {
@@ -248,12 +267,18 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   bool to_close = false;
   if (given.ok()) {
     as_read.geometry = *std::move(given);
-    const Geometry& geometry = as_read.geometry;
+    Geometry& geometry = as_read.geometry;
     const bool in_space = geometry.options.dimension == 3;
     if (in_space && !is_surface && !options.within && !options.fill_holes) return as_read;
     const double within = within_of(geometry);
     to_close = Describe(geometry, within, as_read.report);
-    const absl::Status& found = as_read.report.found;
+    absl::Status& found = as_read.report.found;
+    if (found.ok() && is_surface && options.least_tolerance) {
+      found = MakeError(
+          absl::StatusCode::kResourceExhausted,
+          Concat("mending is to have a tolerance of ", *options.least_tolerance, " or more"),
+          {reason::kVertexLimit, {}, {}});
+    }
     if (found.ok() ? !to_close : !IsOfFeatures(found)) return finish(std::move(as_read));
   } else {
     as_read.report.found = unread;
@@ -264,7 +289,8 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
     const double within = within_of(*raw);
     const bool is_closed = given_ok && as_read.report.open_edges == 0;
     const Cleaner cleaner(*std::move(raw), reading, is_surface, is_closed, within);
-    absl::StatusOr<std::optional<Prepared>> mended = Mend(cleaner, as_read.report, to_close);
+    absl::StatusOr<std::optional<Prepared>> mended =
+        Mend(cleaner, as_read.report, to_close, options.least_tolerance.value_or(0));
     if (!mended.ok()) {
       return absl::InvalidArgumentError(Concat(path, ": ", text::View(mended.status().message())));
     }
@@ -272,6 +298,18 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   }
   if (!unread.ok()) return unread;
   return finish(std::move(as_read));
+}
+
+std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
+  if (!absl::IsResourceExhausted(refusal) || !detail) return std::nullopt;
+  if (detail->reason != reason::kVertexLimit && detail->reason != reason::kDepthLimit) {
+    return std::nullopt;
+  }
+  for (const double share : kSharesOfTooFine) {
+    if (share * report.within > report.tolerance) return share * report.within;
+  }
+  return std::nullopt;
 }
 
 std::string TextOf(const Report& report) {

@@ -48,6 +48,8 @@ struct PrepareOptions {
   std::optional<double> within = {};
   // Of 3D: the longest loop of open edges that is filled. Given, files of all formats are prepared.
   std::optional<double> fill_holes = {};
+  // The least tolerance of cleaning, of surface files. Given, what a mesh accepts is cleaned, too.
+  std::optional<double> least_tolerance = {};
 };
 
 struct Report {
@@ -81,10 +83,14 @@ struct Prepared {
 bool MayBePrepared(const std::string& path, const PrepareOptions& options);
 
 // A file that is not to be prepared is as io::ReadGeometry reads it.
-// INVALID_ARGUMENT for a `within` or `fill_holes` that is not above 0 and finite; else as
+// INVALID_ARGUMENT for a distance, length or tolerance that is not above 0 and finite; else as
 // io::ReadGeometry.
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
                                  const PrepareOptions& options);
+
+// If a mesh of a prepared surface ended with `refusal` as it was too fine, after its validation: a
+// larger tolerance that may help (PrepareOptions::least_tolerance).
+std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal);
 
 // "3 x points merged, 2 x edge split; at most 1.2e-07 from the input, tolerance 1e-9".
 std::string TextOf(const Report& report);

@@ -80,7 +80,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   ProgressMeter meter(build.progress);
   plc::Plc<D> plc(options);
   const absl::StatusOr<plc::Delta<D>> delta =
-      CheckBatch(plc, plc::Edits::Adding(features), options, meter, interrupt);
+      CheckFeatures(plc, features, options, build.valid.get(), meter, interrupt);
   if (absl::IsCancelled(delta.status())) return GivenUpError();
   if (!delta.ok()) return delta.status();
 

@@ -48,6 +48,24 @@ absl::StatusOr<plc::Delta<D>> CheckBatch(const plc::Plc<D>& plc, const plc::Edit
 }
 
 template <int D>
+absl::StatusOr<plc::Delta<D>> CheckFeatures(const plc::Plc<D>& plc,
+                                            std::span<const Feature> features,
+                                            const MeshOptions& options, const ValidFeatures* valid,
+                                            ProgressMeter& meter, Interrupt interrupt) {
+  const plc::Edits batch = plc::Edits::Adding(features);
+  if (valid == nullptr || !valid->Proves(features, options)) {
+    return CheckBatch(plc, batch, options, meter, interrupt);
+  }
+  meter.Begin(ApplyProgress::Stage::kValidate);
+  absl::StatusOr<plc::Delta<D>> delta =
+      plc.ChangeOfValid(batch, [&](std::size_t) { return interrupt(); });
+  if (!delta.ok()) return delta;
+  meter.End(delta->size());
+  if (delta->added_points.size() > options.limits.max_vertices) return VertexLimitError(options);
+  return delta;
+}
+
+template <int D>
 absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   const Stopwatch watch;
   const Interrupt interrupt = InterruptOf(apply.interrupted);
@@ -113,6 +131,12 @@ template absl::StatusOr<plc::Delta<2>> CheckBatch(const plc::Plc<2>&, const plc:
                                                   const MeshOptions&, ProgressMeter&, Interrupt);
 template absl::StatusOr<plc::Delta<3>> CheckBatch(const plc::Plc<3>&, const plc::Edits&,
                                                   const MeshOptions&, ProgressMeter&, Interrupt);
+template absl::StatusOr<plc::Delta<2>> CheckFeatures(const plc::Plc<2>&, std::span<const Feature>,
+                                                     const MeshOptions&, const ValidFeatures*,
+                                                     ProgressMeter&, Interrupt);
+template absl::StatusOr<plc::Delta<3>> CheckFeatures(const plc::Plc<3>&, std::span<const Feature>,
+                                                     const MeshOptions&, const ValidFeatures*,
+                                                     ProgressMeter&, Interrupt);
 template class LiveFeatures<2>;
 template class LiveFeatures<3>;
 

@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -41,6 +42,14 @@ template <int D>
 absl::StatusOr<plc::Delta<D>> CheckBatch(const plc::Plc<D>& plc, const plc::Edits& batch,
                                          const MeshOptions& options, ProgressMeter& meter,
                                          Interrupt interrupt);
+
+// The same for a batch that adds `features` to none. What `valid` proves is not validated again; it
+// may be null.
+template <int D>
+absl::StatusOr<plc::Delta<D>> CheckFeatures(const plc::Plc<D>& plc,
+                                            std::span<const Feature> features,
+                                            const MeshOptions& options, const ValidFeatures* valid,
+                                            ProgressMeter& meter, Interrupt interrupt);
 
 template <int D>
 class LiveFeatures : public DynamicMesh {

@@ -230,7 +230,7 @@ absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const Mesh
   ProgressMeter meter(build.progress);
   const plc::Plc<D> plc(options);
   const absl::StatusOr<plc::Delta<D>> delta =
-      CheckBatch(plc, plc::Edits::Adding(features), options, meter, interrupt);
+      CheckFeatures(plc, features, options, build.valid.get(), meter, interrupt);
   if (absl::IsCancelled(delta.status())) return GivenUpError();
   if (!delta.ok()) return delta.status();
   meter.Begin(ApplyProgress::Stage::kRefine);

@@ -51,6 +51,13 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
   return TakeDelta();
 }
 
+template <int D>
+absl::StatusOr<Delta<D>> BatchCheck<D>::RunValid() {
+  Collect();
+  if (steps_.stopped()) return InterruptedError();
+  return TakeDelta();
+}
+
 // True for a first load of points that are all far apart: no problem is possible, no order needed.
 template <int D>
 bool BatchCheck<D>::IsCertainlyGood() const {

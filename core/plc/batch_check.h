@@ -55,6 +55,8 @@ class BatchCheck {
              Steps& steps);
 
   absl::StatusOr<Delta<D>> Run(Interrupted interrupted);
+  // The same for a batch that Run accepts, without a check.
+  absl::StatusOr<Delta<D>> RunValid();
   // Index cells and features visited.
   std::uint64_t cost() const { return cost_; }
 

@@ -26,6 +26,13 @@ absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
 }
 
 template <int D>
+absl::StatusOr<Delta<D>> Plc<D>::ChangeOfValid(const Edits& batch, Interrupted interrupted) const {
+  const auto stop = [&] { return interrupted(kNotKnown); };
+  Steps steps(stop);
+  return BatchCheck<D>(options_, limit_, grid_, store_, *index_, batch, steps).RunValid();
+}
+
+template <int D>
 void Plc<D>::Apply(const Delta<D>& delta) {
   for (const SegmentFeature<D>& f : delta.removed_segments) index_->EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);

@@ -76,6 +76,10 @@ class Plc {
     return Check(Edits(batch), cost, interrupted);
   }
 
+  // What Check returns of a batch that it accepts, without validating it. REQUIRES: Check accepts
+  // it. CANCELLED once `interrupted` returns true. O(b lg b) for b features that change.
+  absl::StatusOr<Delta<D>> ChangeOfValid(const Edits& batch, Interrupted interrupted) const;
+
   // Applies a change. REQUIRES: `delta` is Check's for the features present, or the inverse of the
   // last one. O(delta) insertions and removals in the index, amortised: once three of four features
   // are removed, all structures are rebuilt to free memory.

@@ -32,6 +32,7 @@
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
+#include "dynmesh/valid_features.h"
 
 namespace dynmesh {
 
@@ -200,6 +201,9 @@ struct BuildOptions {
   // As in ApplyOptions; of kSvr the most items of work, about one for each vertex.
   std::uint64_t max_operations = 0;
   std::function<void(const ApplyProgress&)> progress = nullptr;  // as in ApplyOptions
+  // If it proves the features in a mesh of these options, they are not validated again. May be
+  // null.
+  std::shared_ptr<const ValidFeatures> valid = nullptr;
 };
 
 // Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of

@@ -23,6 +23,7 @@
 #include "core/io/space/face_rules.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
+#include "dynmesh/valid_features.h"
 
 namespace dynmesh::io {
 
@@ -35,6 +36,9 @@ struct SurfaceCounts {
   std::size_t moved = 0;                 // corners, onto planes
   double most_moved = 0;                 // the largest distance
 };
+
+// What a mesh says of features: the proof if it accepts them, which may be null, or why not.
+using Verdict = absl::StatusOr<std::shared_ptr<const ValidFeatures>>;
 
 struct Geometry {
   std::vector<Feature> features;
@@ -49,7 +53,7 @@ struct Geometry {
   std::optional<SurfaceCounts> surface;    // of a surface file whose faces were mended
   NumberRounding rounding;                 // of the numbers of a surface file
   // What GeometryOptions::judge said of these features and options, if it was asked.
-  std::optional<absl::Status> verdict;
+  std::optional<Verdict> verdict;
   // Markers, names and attributes of points; names of a map's polygons, too. Not null.
   std::shared_ptr<const FeatureLabels> labels = std::make_shared<const FeatureLabels>();
   WhereFeature where;
@@ -70,7 +74,7 @@ struct GeometryOptions {
   // What a mesh says of 3D features: where faces of a surface file are joined, it is asked of the
   // result. RESOURCE_EXHAUSTED if nothing is in conflict, but the mesh would be too large. May be
   // null.
-  std::function<absl::Status(const std::vector<Feature>&, const MeshOptions&)> judge;
+  std::function<Verdict(const std::vector<Feature>&, const MeshOptions&)> judge;
 };
 
 // Reads a file by its extension (formats.h). INVALID_ARGUMENT as `file:line: what is wrong`, and

@@ -47,7 +47,7 @@ bool HasFacesToCut(const std::vector<Feature>& features) {
 
 coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding& rounding,
                            const FeatureLabels& labels, std::vector<Feature> features,
-                           std::optional<absl::Status>& verdict) {
+                           std::optional<Verdict>& verdict) {
   coplanar::JoinOptions joining;
   joining.join = !options.keep_facets;
   joining.holes = options.holes_of_polygons;
@@ -56,7 +56,7 @@ coplanar::JoinedFaces Join(const GeometryOptions& options, const NumberRounding&
   if (options.judge) {
     joining.accepts = [&](const std::vector<Feature>& result) {
       verdict = options.judge(result, OptionsOf(result));
-      return verdict->ok() || absl::IsResourceExhausted(*verdict);
+      return verdict->ok() || absl::IsResourceExhausted(verdict->status());
     };
   }
   LabelNumbers numbers(labels);
@@ -109,7 +109,7 @@ absl::StatusOr<Geometry> PrepareSurface(FileFeatures file, const std::string& pa
   const double near = ValidateOptions(mesh).ok() ? LeastDistance(mesh) : 0;
   const SurfaceMends mends = MendSurface(near, file);
   coplanar::JoinedFaces joined;
-  std::optional<absl::Status> verdict;
+  std::optional<Verdict> verdict;
   if ((!options.keep_facets || HasFacesToCut(file.features)) && AreInDomain(file.features)) {
     joined = Join(options, file.rounding, file.labels, std::move(file.features), verdict);
     for (const auto& [part, whole] : joined.parts) {

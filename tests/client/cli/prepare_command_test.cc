@@ -41,6 +41,33 @@ TEST_F(PrepareCommand, TheMapTellsTheFacetsOfEachPolygon) {
   EXPECT_EQ(Run("mesh square.node --map map.json").code, 2);
 }
 
+// Faces of a needle cross each other at next to no angle. Cut there, a mesh accepts them, and does
+// not end.
+TEST_F(PrepareCommand, WhatIsTooFineIsMendedWithALargerTolerance) {
+  folder_.Write("needle.off",
+                "OFF\n6 8 0\n0.05685775 0.0002748734 -2.727833e-05\n"
+                "-0.06876524 0.02404099 4.281872e-05\n-0.07475285 0.0003367258 -2.022409e-06\n"
+                "-0.04555911 -0.01938796 -3.444687e-05\n-0.138661 -0.008725009 2.689457e-05\n"
+                "-0.079188 -0.005978653 1\n3 0 1 4\n3 1 0 5\n3 1 2 4\n3 2 1 5\n3 2 3 4\n"
+                "3 3 2 5\n3 3 0 4\n3 0 3 5\n");
+  const Outcome made = Run("mesh needle.off --json -o m.node");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string flag = "--mending-tolerance ";
+  const std::size_t at = made.err.rfind(flag);
+  ASSERT_NE(at, std::string::npos) << made.err;
+  const std::string tolerance =
+      made.err.substr(at + flag.size(), made.err.find('\n', at) - at - flag.size());
+  EXPECT_LE(std::stod(tolerance), std::stod(Value(made.out, "within")));
+  EXPECT_GE(std::stod(Value(made.out, "mending_tolerance")), std::stod(tolerance));
+  EXPECT_EQ(Run("verify m.node --input needle.off --mending-tolerance " + tolerance).code, 0);
+  const Outcome same = Run("mesh needle.off --json --mending-tolerance " + tolerance);
+  EXPECT_EQ(Value(same.out, "hash"), Value(made.out, "hash"));
+  // A limit that was asked for is kept.
+  EXPECT_NE(Run("mesh needle.off --max-vertices 1000000").code, 0);
+  EXPECT_EQ(Run("mesh needle.off --mending-tolerance 0").code, 2);
+  EXPECT_EQ(Run("mesh needle.off --mending-tolerance 1e-5 --exact").code, 2);
+}
+
 TEST_F(PrepareCommand, ACavityIsNoInside) {
   Solid hollow = BoxSolid({0, 0, 0}, {3, 3, 3}), cavity = BoxSolid({1, 1, 1}, {2, 2, 2});
   hollow.Add(cavity);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "client/preparation/farthest.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
 #include "gtest/gtest.h"
 #include "tests/client/preparation/solids.h"
 #include "tests/support/temp_folder.h"
@@ -240,6 +242,49 @@ TEST_F(PrepareTest, AGapThatTakesSomeThousandVerticesMayBeMeant) {
   };
   EXPECT_TRUE(gap_of("1.000001").report.is_mended);
   EXPECT_FALSE(gap_of("1.0001").report.is_mended);
+}
+
+// A needle pyramid, refused for 0.04 degrees at an edge after each tolerance within D.
+TEST_F(PrepareTest, FacesAtASmallAngleBecomeOneIfNothingElseHelps) {
+  const Prepared prepared = Of("flap.off",
+                               "OFF\n5 6 0\n0.384 0.00981 8.12e-05\n-0.191 0.42 7.66e-05\n"
+                               "-0.274 -0.0264 6.54e-05\n-0.391 -0.012 -2.08e-05\n"
+                               "-0.286 -0.0333 1\n3 0 1 3\n3 1 0 4\n3 1 2 3\n3 2 1 4\n"
+                               "3 2 0 3\n3 0 2 4\n");
+  EXPECT_EQ(GetErrorDetail(prepared.report.found)->reason, reason::kSmallAngle);
+  EXPECT_TRUE(prepared.report.is_mended);
+  EXPECT_LE(prepared.report.farthest, prepared.report.within);
+  EXPECT_TRUE(MeshOf(prepared).ok());
+}
+
+TEST_F(PrepareTest, TheLeastToleranceIsKept) {
+  const std::string off = BoxSolid({0, 0, 0}, {1, 2, 3}).Off();
+  PrepareOptions options;
+  options.least_tolerance = 1e-5;
+  const Prepared prepared = Of("box.off", off, options);
+  EXPECT_TRUE(prepared.report.is_mended);
+  EXPECT_GE(prepared.report.tolerance, 1e-5);
+  EXPECT_TRUE(MeshOf(prepared).ok());
+  // None within D.
+  options.least_tolerance = 0.1;
+  EXPECT_FALSE(Of("box.off", off, options).report.is_mended);
+}
+
+TEST_F(PrepareTest, OfWhatIsTooFineALargerToleranceMayHelp) {
+  const auto refusal = [](const char* why) {
+    return MakeError(absl::StatusCode::kResourceExhausted, "too much", {why, {}, {}});
+  };
+  Report report;
+  report.within = 1;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 0.1);
+  report.tolerance = 0.1;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kDepthLimit)), 0.5);
+  report.tolerance = 0.9;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 1);
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kSizeLimit)), std::nullopt);
+  EXPECT_EQ(ToleranceIfTooFine(report, absl::OkStatus()), std::nullopt);
+  report.tolerance = 1;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), std::nullopt);
 }
 
 TEST_F(PrepareTest, PartsOfASegmentKeepItsMarker) {
