@@ -2,6 +2,7 @@
 // server.
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <limits>
 #include <memory>
 
@@ -265,7 +266,13 @@ int Run(MeshCommand command) {
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;
   }
-  const QualityReport quality = MeasureQuality(*mesh, options, input->features);
+  // A large one is measured while it is being written.
+  constexpr std::size_t kLarge = 20'000;
+  const bool is_beside = ThreadsOf(command.output) > 1 && !command.output.paths.empty() &&
+                         mesh->simplex_count() > kLarge;
+  std::future<QualityReport> quality =
+      std::async(is_beside ? std::launch::async | std::launch::deferred : std::launch::deferred,
+                 [&] { return MeasureQuality(*mesh, options, input->features); });
   if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
   const absl::Status written =
       WriteOutputs(selection->IsOpened() ? *opened : *mesh, options, command.output, labels);
@@ -273,8 +280,8 @@ int Run(MeshCommand command) {
   if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(
-             Summarise(*mesh, quality, options.min_dihedral, took.count(), *input, command.json))
+  return PrintOut(Summarise(*mesh, quality.get(), options.min_dihedral, took.count(), *input,
+                            command.json))
              ? kExitDone
              : kExitFailed;
 }
