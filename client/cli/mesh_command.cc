@@ -14,6 +14,7 @@
 #include "client/cli/memory_flag.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/packed_points.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
 #include "client/cli/region_volumes.h"
@@ -221,7 +222,10 @@ int Run(MeshCommand command) {
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
+  PackedPoints packed;
+  build.features_read = [&] { packed.Pack(input->features); };
   const auto make = [&] {
+    packed.Unpack(input->features);
     return is_remote ? command.remote->Build(input->features, options, build.engine)
                      : WithinMemory(*memory, kMemoryAdvice,
                                     [&] { return BuildMesh(input->features, options, build); });
@@ -230,6 +234,7 @@ int Run(MeshCommand command) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!mesh.ok()) {
+    packed.Unpack(input->features);
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
     if (absl::IsResourceExhausted(named)) {
       return ReportTooLarge(named, *input, is_remote ? "" : limit.reason);

@@ -200,6 +200,9 @@ struct BuildOptions {
   // As in ApplyOptions; of kSvr the most items of work, about one for each vertex.
   std::uint64_t max_operations = 0;
   std::function<void(const ApplyProgress&)> progress = nullptr;  // as in ApplyOptions
+  // Called at most once, when `features` have been accepted and are not read any more: they may be
+  // freed while the mesh is made, which may still fail. Not called for quadtrees.
+  std::function<void()> features_read = nullptr;
 };
 
 // Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of
