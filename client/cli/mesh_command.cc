@@ -2,6 +2,7 @@
 // server.
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "client/cli/memory_flag.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/packed_points.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/refusals.h"
 #include "client/cli/region_volumes.h"
@@ -242,7 +244,10 @@ int Run(MeshCommand command) {
   if (input->verdict && input->verdict->ok()) build.valid = **input->verdict;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
+  PackedPoints packed;
+  build.features_read = [&] { packed.Pack(input->features); };
   const auto make = [&] {
+    packed.Unpack(input->features);
     return is_remote ? command.remote->Build(input->features, options, build.engine)
                      : WithinMemory(*memory, kMemoryAdvice,
                                     [&] { return BuildMesh(input->features, options, build); });
@@ -251,6 +256,7 @@ int Run(MeshCommand command) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   bar.End();
   if (!mesh.ok()) {
+    packed.Unpack(input->features);
     const std::optional<double> larger =
         is_remote ? std::nullopt : LargerTolerance(command, *input, mesh.status());
     if (larger) {
@@ -295,7 +301,13 @@ int Run(MeshCommand command) {
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;
   }
-  const QualityReport quality = MeasureQuality(*mesh, options, input->features);
+  // A large one is measured while it is being written.
+  constexpr std::size_t kLarge = 20'000;
+  const bool is_beside = ThreadsOf(command.output) > 1 && !command.output.paths.empty() &&
+                         mesh->simplex_count() > kLarge;
+  std::future<QualityReport> quality =
+      std::async(is_beside ? std::launch::async | std::launch::deferred : std::launch::deferred,
+                 [&] { return MeasureQuality(*mesh, options, input->features); });
   if (!command.output.paths.empty()) bar.Show(0, 0, Concat("writing ", command.output.paths[0]));
   const absl::Status written =
       WriteOutputs(selection->IsOpened() ? *opened : *mesh, options, command.output, labels);
@@ -303,8 +315,8 @@ int Run(MeshCommand command) {
   if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(
-             Summarise(*mesh, quality, options.min_dihedral, took.count(), *input, command.json))
+  return PrintOut(Summarise(*mesh, quality.get(), options.min_dihedral, took.count(), *input,
+                            command.json))
              ? kExitDone
              : kExitFailed;
 }

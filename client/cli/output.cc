@@ -1,7 +1,9 @@
 #include "client/cli/output.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <thread>
 
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
@@ -109,6 +111,12 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
                    "A .node and the files beside it may have the base name of the input, though "
                    "Triangle and TetGen read some of them as a part of it");
   command
+      .add_option("--threads", flags.threads,
+                  "Threads that measure and write a large mesh, at most; files do not depend on it "
+                  "(default: one for each processor, at most 8)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 256));
+  command
       .add_option("--fill", flags.fill,
                   "Colours of a picture (default: angle; plain with --highlight; size of a "
                   "quadtree, which has size, plain and none): by least angle, "
@@ -139,6 +147,12 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command.add_option("--width", flags.width, "Width of a picture in pixels (default: 1000)")
       ->type_name("PX")
       ->check(CLI::Range(1.0, 1e5));
+}
+
+int ThreadsOf(const OutputFlags& flags) {
+  constexpr unsigned kUsual = 8;
+  if (flags.threads != 0) return flags.threads;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kUsual));
 }
 
 absl::Status CheckOutputs(const OutputFlags& flags) {
@@ -227,6 +241,8 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   output.files.neighbours = flags.neighbours;
   output.files.voronoi = flags.voronoi;
   output.files.is_part = labels.is_part;
+  output.files.threads = ThreadsOf(flags);
+  if (indexed->has_plain_ids) output.files.hash = mesh.hash;
   output.files.rho = options.quality;
   output.files.is_triangulation = options.kind == MeshKind::kTriangulation;
   output.files.min_dihedral = options.min_dihedral;

@@ -28,10 +28,15 @@ struct OutputFlags {
   bool binary = false;  // of a .msh
   bool from_zero = false, neighbours = false, voronoi = false;
   bool same_name = false;  // files may have the base name of the input
+  int threads = 0;         // that make files at once, at most; 0: ThreadsOf chooses
 };
 
-// -o, --order, --msh-version, --binary, --zero-based, --neighbours, --voronoi and --same-name for
-// meshes, and --fill, --crop, --cut, --clip, --legend and --width for pictures.
+// How many threads measure a mesh and make files at once: as the flag says, else as many as there
+// are processors for this process, at most 8.
+int ThreadsOf(const OutputFlags& flags);
+
+// -o, --order, --msh-version, --binary, --zero-based, --neighbours, --voronoi, --same-name and
+// --threads for meshes, and --fill, --crop, --cut, --clip, --legend and --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 
 // The options of a picture. `highlighting`: it highlights simplices.

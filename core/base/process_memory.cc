@@ -20,8 +20,12 @@ namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 
-// A heap up to this size has ordinary pages: a small mesh costs what it did.
-constexpr std::size_t kSmallHeap = 8 * kMiB;
+// A heap up to this size, and from there to the next huge page, has ordinary pages: what needs no
+// more is small.
+constexpr std::size_t kSmallHeap = 256 << 10;
+
+// How far the heap grows at first. Large blocks that fit in there are part of the heap, too.
+constexpr std::size_t kFirstStep = 6 * kMiB;
 
 // No larger block is ever allocated in the heap: the most that glibc takes as its threshold.
 constexpr std::size_t kMostInHeap = 32 * kMiB;
@@ -82,9 +86,18 @@ void SetUpHeap(MemoryUse use) {
     return;
   }
   mallopt(M_TRIM_THRESHOLD, -1);  // never
-  mallopt(M_TOP_PAD, static_cast<int>(kMiB));
-  huge_begin = HeapEnd() + kSmallHeap;
-  known_end.store(huge_begin, std::memory_order_relaxed);
+  mallopt(M_ARENA_MAX, 1);        // threads use what is free of it, too
+  mallopt(M_TOP_PAD, static_cast<int>(kFirstStep));
+  // Grown before it is used: a huge page of which malloc has written a part would stay ordinary.
+  const std::uintptr_t before = HeapEnd();
+  void* volatile small = std::malloc(kSmallHeap);
+  const std::uintptr_t end = HeapEnd();
+  huge_begin = reinterpret_cast<std::uintptr_t>(static_cast<void*>(small)) + kSmallHeap + 1;
+  std::free(small);
+  // Another heap than that of sbrk: as it is.
+  if (end == before || huge_begin > end) return;
+  RequestHugePages(huge_begin, end);
+  known_end.store(end, std::memory_order_relaxed);
 }
 
 #else

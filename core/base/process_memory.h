@@ -7,10 +7,10 @@
 //    pages in them. They return to the system when freed. (Large arrays grow by doubling. By
 //    default glibc soon keeps the smaller former blocks, of tens of megabytes, unused in its heap:
 //    a fifth of the process.)
-// 2. The heap of a command requests huge pages from 8 MiB on, as it grows. It grows in large
-//    steps and does not shrink: what is free is used again. That holds also for blocks of up to an
-//    eighth of the heap, at most 32 MiB: they are part of the heap and do not return. Up to 8 MiB
-//    the heap has ordinary pages, so small meshes take no more memory or time.
+// 2. The heap of a command requests huge pages but for its beginning, of up to 2 MiB. It grows in
+//    large steps and does not shrink: what is free is used again. That holds also for blocks of up
+//    to an eighth of the heap, at most 32 MiB: they are part of the heap and do not return. All
+//    threads share it.
 // 3. The heap of a server has ordinary pages, as it gives back what is free page by page. The
 //    system may make a huge page whole again of which a part was given back.
 //

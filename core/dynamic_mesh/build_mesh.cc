@@ -83,11 +83,14 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
       CheckFeatures(plc, features, options, build.valid.get(), meter, interrupt);
   if (absl::IsCancelled(delta.status())) return GivenUpError();
   if (!delta.ok()) return delta.status();
+  const bool is_empty = features.empty();
+  if (build.features_read) build.features_read();
 
   meter.Begin(ApplyProgress::Stage::kRefine);
   Steps steps(interrupt);
   DiffBuilder<D> diffs(options.kind);
   FeatureTable<D> table;
+  table.SetFixed();
   Mesher<D> mesher(options, &diffs.triangulation());
   mesher.Add(*delta, table, steps);
   if (steps.stopped()) return GivenUpError();
@@ -112,7 +115,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   if (steps.stopped()) return GivenUpError();
   if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
   if (absl::Status status = diffs.NameStatus(mesher.result(), table); !status.ok()) return status;
-  mesh.revision = features.empty() ? 0 : 1;
+  mesh.revision = is_empty ? 0 : 1;
   meter.End();
   return mesh;
 }

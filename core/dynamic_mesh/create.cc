@@ -1,5 +1,6 @@
 // The kinds of dynamic mesh, dynamic and static.
 #include <memory>
+#include <utility>
 
 #include "core/dynamic_mesh/build_mesh.h"
 #include "core/dynamic_mesh/live_mesh.h"
@@ -42,8 +43,16 @@ absl::StatusOr<Mesh> BuildUnlabelled(std::span<const Feature> features, const Me
 
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
                                const BuildOptions& build) {
-  absl::StatusOr<Mesh> mesh = BuildUnlabelled(features, options, build);
-  if (mesh.ok()) mesh->labels = plc::LabelsOf(features);
+  // Read before they may go.
+  LabelColumn labels;
+  BuildOptions with_labels = build;
+  with_labels.features_read = [&] {
+    labels = plc::LabelsOf(features);
+    if (build.features_read) build.features_read();
+  };
+  const bool is_quadtree = options.kind == MeshKind::kQuadtree;
+  absl::StatusOr<Mesh> mesh = BuildUnlabelled(features, options, with_labels);
+  if (mesh.ok()) mesh->labels = is_quadtree ? plc::LabelsOf(features) : std::move(labels);
   return mesh;
 }
 

@@ -138,14 +138,16 @@ void FeatureTable<D>::RemoveFacets(const Delta& delta, EditableSink& mesher) {
 // Adds many points in an order that suits a triangulation that is filled meanwhile.
 template <int D>
 void FeatureTable<D>::AddPoints(const Delta& delta, Sink& mesher, Steps& steps) {
+  const bool is_kept = !is_fixed_ || !delta.added_segments.empty() || !delta.added_facets.empty();
   const auto add = [&](const plc::PointFeature<D>& p) {
-    points_[p.id] = mesher.AddPoint(p.p, NewSlot(p.id));
+    const meshing::VertexIndex vertex = mesher.AddPoint(p.p, NewSlot(p.id));
+    if (is_kept) points_[p.id] = vertex;
   };
   if (delta.added_points.size() <= kFewPoints) {
     for (const plc::PointFeature<D>& p : delta.added_points) add(p);
     return;
   }
-  points_.reserve(points_.size() + delta.added_points.size());
+  if (is_kept) points_.reserve(points_.size() + delta.added_points.size());
   segments_.Reserve(delta.added_segments.size());
   std::vector<Point> positions;
   positions.reserve(delta.added_points.size());
@@ -157,7 +159,8 @@ void FeatureTable<D>::AddPoints(const Delta& delta, Sink& mesher, Steps& steps) 
     if (i + 2 * kAhead < order.size()) {
       __builtin_prefetch(&delta.added_points[order[i + 2 * kAhead]]);
     }
-    if (i + kAhead < order.size()) points_.prefetch(delta.added_points[order[i + kAhead]].id);
+    if (is_kept && i + kAhead < order.size())
+      points_.prefetch(delta.added_points[order[i + kAhead]].id);
     add(delta.added_points[order[i]]);
   }
 }

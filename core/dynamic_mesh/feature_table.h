@@ -73,6 +73,9 @@ class FeatureTable {
   // Slots of removed features keep their ids until this call.
   void Collect();
 
+  // Call it first if features come once and never change: what only changes ask for is not kept.
+  void SetFixed() { is_fixed_ = true; }
+
   std::size_t bytes() const;
 
  private:
@@ -92,9 +95,11 @@ class FeatureTable {
   meshing::FeatureSlot NewSlot(FeatureId id);
   void FreeSlot(meshing::FeatureSlot slot) { freed_.push_back(slot); }
 
+  bool is_fixed_ = false;
   LargeVector<FeatureId> ids_;  // by slot
   std::vector<meshing::FeatureSlot> free_, freed_;
-  absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
+  absl::flat_hash_map<FeatureId, meshing::VertexIndex>
+      points_;  // fixed: only if something has ends
   absl::flat_hash_map<FeatureId, typename meshing::SizingField<D>::Index> sizes_;
   WedgeTable<D> segments_;
   absl::flat_hash_map<FeatureId, Facet> facets_;

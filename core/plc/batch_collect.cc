@@ -31,6 +31,10 @@ std::vector<FeatureId> PointsOf(const Rings& rings) {
 
 template <int D>
 void BatchCheck<D>::Collect() {
+  if (store_.size() == 0) {  // a first load, mostly of points
+    delta_.added_points.reserve(draft_.entries().size());
+    events_.reserve(draft_.entries().size());
+  }
   for (const typename Draft<D>::Entry& entry : draft_.entries()) {
     if (steps_.Stop()) return;
     CollectPoint(entry);

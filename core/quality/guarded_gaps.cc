@@ -18,10 +18,10 @@ constexpr double kMostTimesEdge = 4;
 
 void GuardedGaps::FindBalls() {
   for (std::size_t s = 0; s < mesh_.subsegments.size(); ++s) {
-    const auto a = row_of_.find(mesh_.subsegments.ends[2 * s]);
-    const auto b = row_of_.find(mesh_.subsegments.ends[2 * s + 1]);
-    if (a == row_of_.end() || b == row_of_.end()) continue;
-    const geometry::Point2 p = At(a->second), q = At(b->second);
+    const auto a = row_of_.Find(mesh_.subsegments.ends[2 * s]);
+    const auto b = row_of_.Find(mesh_.subsegments.ends[2 * s + 1]);
+    if (a == IdTable::kNone || b == IdTable::kNone) continue;
+    const geometry::Point2 p = At(a), q = At(b);
     balls_.push_back({geometry::Midpoint(p, q), kTolerance * geometry::SquaredDistance(p, q) / 4});
   }
 }

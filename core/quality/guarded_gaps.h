@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
+#include "core/base/id_table.h"
 #include "core/geometry/point.h"
 #include "dynmesh/mesh.h"
 
@@ -19,8 +19,7 @@ class GuardedGaps {
  public:
   // `mesh` (of dimension 2) and `row_of`, the rows of its vertices by id, must outlive the object.
   // O(1); the first query O(size).
-  GuardedGaps(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of,
-              double rho)
+  GuardedGaps(const Mesh& mesh, const IdTable& row_of, double rho)
       : mesh_(mesh), row_of_(row_of), rho_(rho) {}
 
   // Is the triangle of these rows, counter-clockwise and over rho, such a triangle? O(subsegments)
@@ -39,7 +38,7 @@ class GuardedGaps {
   void FindBalls();
 
   const Mesh& mesh_;
-  const absl::flat_hash_map<VertexId, std::size_t>& row_of_;
+  const IdTable& row_of_;
   const double rho_;
   std::vector<Ball> balls_;
   int questions_ = 0;

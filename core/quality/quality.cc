@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <limits>
 
-#include "absl/container/flat_hash_map.h"
+#include "core/base/id_table.h"
 #include "core/base/rounding.h"
+#include "core/geometry/circumball.h"
 #include "core/geometry/dihedral.h"
 #include "core/geometry/products.h"
+#include "core/quality/angle_steps.h"
 #include "core/quality/degrees.h"
 #include "core/quality/guarded_gaps.h"
 #include "core/quality/seditious_edges.h"
@@ -27,15 +29,6 @@ double Cross(const Vector& u, const Vector& v) {
 }
 
 double Dot(const Vector& u, const Vector& v) { return u.x * v.x + u.y * v.y; }
-
-using RowOf = absl::flat_hash_map<VertexId, std::size_t>;
-
-RowOf RowsById(const Mesh& mesh) {
-  RowOf row_of;
-  row_of.reserve(mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
-  return row_of;
-}
 
 // The greatest allowed ratio.
 double Bound(double rho, double shortest_edge, double unit) {
@@ -117,7 +110,7 @@ class Judge<2> {
  public:
   using Quality = TriangleQuality;
 
-  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit,
+  Judge(const Mesh& mesh, const IdTable& row_of, const MeshOptions& options, double unit,
         std::span<const Feature> features)
       : coordinates_(mesh.vertices.coordinates),
         rho_(options.quality),
@@ -165,7 +158,7 @@ class Judge<3> {
  public:
   using Quality = TetrahedronQuality;
 
-  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit,
+  Judge(const Mesh& mesh, const IdTable& row_of, const MeshOptions& options, double unit,
         std::span<const Feature>)
       : coordinates_(mesh.vertices.coordinates),
         containing_dimensions_(mesh.vertices.containing_dimensions),
@@ -272,32 +265,44 @@ class Judge<3> {
   const geometry::DihedralBound dihedral_;
 };
 
-// Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows` is null if it names an
-// unknown vertex.
+// Calls f(index, rows) for each simplex, in order. `rows` is null if it names an unknown vertex.
 template <int D, class F>
-void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, std::span<const Feature> features,
-                    F f) {
-  const RowOf row_of = RowsById(mesh);
-  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates), features);
-  for (std::size_t s = 0; s < mesh.simplex_count(); ++s) {
-    Rows<D> rows = {};
-    bool known = true;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const auto it = row_of.find(mesh.simplices[rows.size() * s + k]);
-      known = known && it != row_of.end();
-      if (known) rows[k] = it->second;
+void ForEachRows(const Mesh& mesh, const IdTable& row_of, F f) {
+  constexpr std::size_t kCorners = D + 1, kTogether = 64;  // whose vertices are looked up together
+  std::array<IdTable::Number, kTogether * kCorners> found;
+  const std::span<const VertexId> ids = mesh.simplices;
+  for (std::size_t from = 0; from < mesh.simplex_count(); from += kTogether) {
+    const std::size_t count = std::min(kTogether, mesh.simplex_count() - from);
+    const std::span numbers = std::span(found).first(count * kCorners);
+    row_of.FindAll(ids.subspan(from * kCorners, numbers.size()), numbers);
+    for (const IdTable::Number row : numbers) {
+      if (row != IdTable::kNone)
+        __builtin_prefetch(&mesh.vertices.coordinates[D * std::size_t{row}]);
     }
-    const Rows<D>* const at = known ? &rows : nullptr;
-    const auto q = known ? judge.Measure(rows) : Judge<D>::Flat();
-    f(judge, at, q, known ? judge(rows, q) : SimplexVerdict::kOverRho);
+    for (std::size_t s = 0; s < count; ++s) {
+      Rows<D> rows;
+      bool known = true;
+      for (std::size_t k = 0; k < kCorners; ++k) {
+        rows[k] = numbers[s * kCorners + k];
+        known = known && rows[k] != IdTable::kNone;
+      }
+      f(from + s, known ? &rows : nullptr);
+    }
   }
 }
 
-template <class F>
-void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, std::span<const Feature> features,
-                    F f) {
-  if (mesh.dimension == 2) return ForEachSimplex<2>(mesh, options, features, f);
-  if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, features, f);
+template <int D>
+std::vector<SimplexVerdict> Judged(const Mesh& mesh, const MeshOptions& options,
+                                   std::span<const Feature> features) {
+  const IdTable row_of(mesh.vertices.ids);
+  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates), features);
+  std::vector<SimplexVerdict> verdicts;
+  verdicts.reserve(mesh.simplex_count());
+  ForEachRows<D>(mesh, row_of, [&](std::size_t, const Rows<D>* rows) {
+    verdicts.push_back(rows == nullptr ? SimplexVerdict::kOverRho
+                                       : judge(*rows, judge.Measure(*rows)));
+  });
+  return verdicts;
 }
 
 // Buckets of equal width up to 180 degrees.
@@ -343,39 +348,196 @@ void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQ
   NoteWorst({q.min_angle_deg, index, judge.CentroidOf(*rows)}, report.worst_dihedral);
 }
 
+// Counts most simplices without measuring them: those that are good for certain, are no extreme of
+// the report, and have their angles inside of steps. What it cannot tell for certain is measured.
+template <int D>
+class QuickCount;
+
+template <>
+class QuickCount<2> {
+ public:
+  QuickCount(const MeshOptions& options, QualityReport& report)
+      : report_(report), most_ratio2_(options.quality * options.quality * (1 - kSlack)) {
+    Notice();
+  }
+
+  // False: it is not counted.
+  bool Count(const double* a, const double* b, const double* c) {
+    const Vector e0 = {c[0] - b[0], c[1] - b[1]}, e1 = {a[0] - c[0], a[1] - c[1]},
+                 e2 = {b[0] - a[0], b[1] - a[1]};
+    const double l0 = Dot(e0, e0), l1 = Dot(e1, e1), l2 = Dot(e2, e2);
+    const double longest = std::max({l0, l1, l2}), shortest = std::min({l0, l1, l2});
+    const double cross = e0.x * e1.y - e0.y * e1.x;
+    // Then rounding changes it by less than 1e-11 of itself, and nothing over- or underflows.
+    if (!(cross > 1e-4 * longest) || !(longest < 1e100) || !(shortest > 1e-100)) return false;
+    const double middle = l0 + l1 + l2 - longest - shortest;
+    const double part = 1 / cross;
+    if (!(middle * longest * part * part < 4 * std::min(most_ratio2_, worst_ratio2_))) return false;
+    const double cot[3] = {-Dot(e1, e2) * part, -Dot(e2, e0) * part, -Dot(e0, e1) * part};
+    std::size_t step[3];
+    bool is_certain = true;
+    for (int i = 0; i < 3; ++i) {
+      const double slack = kSlack * (1 + std::fabs(cot[i]));
+      step[i] = steps_.StepOf(cot[i]);
+      is_certain &= steps_.IsInside(step[i], cot[i], slack) && cot[i] + slack < of_least_ &&
+                    cot[i] - slack > of_greatest_;
+    }
+    if (!is_certain) return false;
+    for (const std::size_t s : step) ++report_.angle_histogram[s];
+    return true;
+  }
+  // The report may have new extremes.
+  void Notice() {
+    const std::array extremes = {report_.worst_radius_edge, report_.min_angle_deg,
+                                 report_.max_angle_deg};
+    if (extremes == noticed_) return;
+    noticed_ = extremes;
+    worst_ratio2_ = report_.worst_radius_edge * report_.worst_radius_edge * (1 - kSlack);
+    of_least_ = quality::CotangentOf(report_.min_angle_deg);
+    of_greatest_ = quality::CotangentOf(report_.max_angle_deg);
+  }
+
+ private:
+  // Relative; many times what rounding makes.
+  static constexpr double kSlack = 1e-9;
+
+  QualityReport& report_;
+  const double most_ratio2_;
+  std::array<double, 3> noticed_ = {-1, -1, -1};
+  double worst_ratio2_ = 0, of_least_ = 0, of_greatest_ = 0;
+  const quality::AngleSteps<18> steps_{&quality::CotangentOf};
+};
+
+template <>
+class QuickCount<3> {
+ public:
+  QuickCount(const MeshOptions& options, QualityReport& report)
+      : report_(report),
+        most_ratio2_(options.quality * options.quality * (1 - kRatioSlack)),
+        of_bound_(options.min_dihedral > 0 ? KeyOf(options.min_dihedral)
+                                           : std::numeric_limits<double>::infinity()) {
+    Notice();
+  }
+
+  bool Count(const double* p, const double* q, const double* r, const double* t) {
+    using geometry::Cross;
+    using geometry::Dot;
+    using geometry::Vector3;
+    const auto minus = [](const double* x, const double* y) {
+      return Vector3{x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+    };
+    const Vector3 u = minus(q, p), v = minus(r, p), w = minus(t, p);
+    const Vector3 uv = minus(r, q), uw = minus(t, q), vw = minus(t, r);
+    const double uu = Dot(u, u), vv = Dot(v, v), ww = Dot(w, w);
+    const double shortest = std::min({uu, vv, ww, Dot(uv, uv), Dot(uw, uw), Dot(vw, vw)});
+    const double most2 = uu + vv + ww;  // at least half of the product of any two edges
+    if (!(most2 < 1e50) || !(shortest > 1e-50)) return false;
+    const geometry::Circumball ball(u, uu, v, vv, w, ww, false);
+    // Then the ratio is right to 1e-8.
+    if (!(ball.error * ball.error < 1e-18 * ball.r2)) return false;
+    if (!(ball.r2 < std::min(most_ratio2_, worst_ratio2_) * shortest)) return false;
+    const Vector3 n[4] = {Cross(uw, uv), Cross(v, w), Cross(w, u), Cross(u, v)};
+    double part[4], least = most2 * most2;  // of the squared lengths
+    for (int i = 0; i < 4; ++i) {
+      const double n2 = Dot(n[i], n[i]);
+      least = std::min(least, n2);
+      part[i] = 1 / n2;
+    }
+    // Normals are right to a thousand roundings of products of edges, directions then to 1e-7.
+    if (!(least > 1.3e-12 * most2 * most2)) return false;
+    std::size_t step[6];
+    double most = -1;
+    bool is_certain = true;
+    for (std::size_t i = 0, e = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j, ++e) {
+        const double at = -Dot(n[i], n[j]), key = at * std::fabs(at) * part[i] * part[j];
+        most = std::max(most, key);
+        step[e] = steps_.StepOf(key);
+        is_certain &= steps_.IsInside(step[e], key, kSlack) && key - kSlack > of_greatest_;
+      }
+    }
+    if (!is_certain || !(most + kSlack < std::min(of_tenth_, of_bound_))) return false;
+    for (const std::size_t s : step) ++report_.dihedral_histogram[s];
+    const std::size_t of_least = steps_.StepOf(most);
+    report_.share_below_5_deg += of_least < 1;
+    report_.share_below_10_deg += of_least < 2;
+    return true;
+  }
+  void Notice() {
+    const auto& worst = report_.worst_dihedral;
+    const double tenth = worst.size() < kWorstDihedral ? 180 : worst.back().angle_deg;
+    const std::array extremes = {report_.worst_radius_edge, tenth, report_.max_angle_deg};
+    if (extremes == noticed_) return;
+    noticed_ = extremes;
+    worst_ratio2_ = report_.worst_radius_edge * report_.worst_radius_edge * (1 - kRatioSlack);
+    of_tenth_ = KeyOf(tenth);
+    of_greatest_ = KeyOf(report_.max_angle_deg);
+  }
+
+ private:
+  // A key changes by no more than its angle.
+  static constexpr double kSlack = 1e-6, kRatioSlack = 1e-7;
+
+  static double KeyOf(double degrees) { return quality::SignedSquaredCosineOf(degrees); }
+
+  QualityReport& report_;
+  const double most_ratio2_, of_bound_;
+  // Of the greatest of the angles in the list of the worst, and of the greatest angle.
+  std::array<double, 3> noticed_ = {-1, -1, -1};
+  double worst_ratio2_ = 0, of_tenth_ = 0, of_greatest_ = 0;
+  const quality::AngleSteps<36> steps_{&quality::SignedSquaredCosineOf};
+};
+
+template <int D>
+void Measure(const Mesh& mesh, const MeshOptions& options, std::span<const Feature> features,
+             QualityReport& report) {
+  const IdTable row_of(mesh.vertices.ids);
+  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates), features);
+  QuickCount<D> quick(options, report);
+  const auto count_quickly = [&](const Rows<D>& rows) {
+    const auto at = [&](std::size_t k) { return &mesh.vertices.coordinates[D * rows[k]]; };
+    if constexpr (D == 2) {
+      return quick.Count(at(0), at(1), at(2));
+    } else {
+      return quick.Count(at(0), at(1), at(2), at(3));
+    }
+  };
+  ForEachRows<D>(mesh, row_of, [&](std::size_t i, const Rows<D>* rows) {
+    if (rows != nullptr && count_quickly(*rows)) return;
+    const auto q = rows != nullptr ? judge.Measure(*rows) : Judge<D>::Flat();
+    const SimplexVerdict verdict = rows != nullptr ? judge(*rows, q) : SimplexVerdict::kOverRho;
+    CountSlivers(judge, rows, q, i, report);
+    report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
+    report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
+    report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
+    quick.Notice();
+    report.over_rho += IsOverRho(verdict);
+    report.exempt += IsExempt(verdict);
+    report.exempt_by_guard += verdict == SimplexVerdict::kTerminationGuard;
+    report.exempt_by_unsplit += verdict == SimplexVerdict::kUnsplit;
+    CountAngles(q, report);
+  });
+}
+
 }  // namespace
 
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options,
                                            std::span<const Feature> features) {
-  std::vector<SimplexVerdict> verdicts;
-  verdicts.reserve(mesh.simplex_count());
-  ForEachSimplex(mesh, options, features,
-                 [&](const auto&, const auto*, const auto&, SimplexVerdict verdict) {
-                   verdicts.push_back(verdict);
-                 });
-  return verdicts;
+  if (mesh.dimension == 2) return Judged<2>(mesh, options, features);
+  return mesh.dimension == 3 ? Judged<3>(mesh, options, features) : std::vector<SimplexVerdict>();
 }
 
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options,
                              std::span<const Feature> features) {
   QualityReport report;
+  const bool in_space = mesh.dimension == 3;
+  if ((!in_space && mesh.dimension != 2) || mesh.simplex_count() == 0) return report;
   report.min_angle_deg = 180;
-  std::uint64_t all = 0;
-  ForEachSimplex(mesh, options, features,
-                 [&](const auto& judge, const auto* rows, const auto& q, SimplexVerdict verdict) {
-                   CountSlivers(judge, rows, q, all++, report);
-                   report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
-                   report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
-                   report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
-                   if (IsOverRho(verdict)) ++report.over_rho;
-                   if (IsExempt(verdict)) ++report.exempt;
-                   if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
-                   if (verdict == SimplexVerdict::kUnsplit) ++report.exempt_by_unsplit;
-                   CountAngles(q, report);
-                 });
-  if (all == 0) return QualityReport();
-  report.share_below_5_deg /= static_cast<double>(all);
-  report.share_below_10_deg /= static_cast<double>(all);
+  in_space ? Measure<3>(mesh, options, features, report)
+           : Measure<2>(mesh, options, features, report);
+  const auto all = static_cast<double>(mesh.simplex_count());
+  report.share_below_5_deg /= all;
+  report.share_below_10_deg /= all;
   return report;
 }
 

@@ -21,8 +21,7 @@ constexpr double kSkew = 0x1p-17;
 
 // A polygon owns many segments. Which vertices lie on one segment follows from the chains of
 // subsegments.
-SeditiousEdges::SeditiousEdges(const Mesh& mesh,
-                               const absl::flat_hash_map<VertexId, std::size_t>& row_of)
+SeditiousEdges::SeditiousEdges(const Mesh& mesh, const IdTable& row_of)
     : mesh_(mesh), tolerance_(kToleranceUnits * CoordinateUnit(mesh.vertices.coordinates)) {
   using Row = std::size_t;
   const auto is_inner = [&](Row row) { return mesh.vertices.containing_dimensions[row] == 1; };
@@ -33,10 +32,10 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
   std::vector<std::pair<Row, Row>> ways;  // the same of all segments; for facets
   for (std::size_t s = 0; s < mesh.subsegments.size(); ++s) {
     if (mesh.subsegments.owners[s] == kBoxFeature) continue;
-    const auto a = row_of.find(mesh.subsegments.ends[2 * s]);
-    const auto b = row_of.find(mesh.subsegments.ends[2 * s + 1]);
-    if (a == row_of.end() || b == row_of.end()) continue;
-    for (const auto& [from, to] : {std::pair(a->second, b->second), {b->second, a->second}}) {
+    const Row a = row_of.Find(mesh.subsegments.ends[2 * s]);
+    const Row b = row_of.Find(mesh.subsegments.ends[2 * s + 1]);
+    if (a == IdTable::kNone || b == IdTable::kNone) continue;
+    for (const auto& [from, to] : {std::pair(a, b), {b, a}}) {
       if (has_facets && !is_inner(from)) ways.emplace_back(from, to);
       if (is_inner(from)) {
         const auto [it, is_first] = beside.try_emplace(from, std::array{to, to});

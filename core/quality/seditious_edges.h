@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/id_table.h"
 #include "core/quality/sharp_corners.h"
 #include "dynmesh/mesh.h"
 
@@ -19,7 +20,7 @@ namespace dynmesh::quality {
 class SeditiousEdges {
  public:
   // `row_of`: the rows of the mesh's vertices, by id. `mesh` must outlive the object. O(size).
-  SeditiousEdges(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of);
+  SeditiousEdges(const Mesh& mesh, const IdTable& row_of);
 
   // Is the edge between the vertices in these rows such an edge? O(corners of their facets).
   bool Has(std::size_t p, std::size_t q) const;

@@ -53,8 +53,7 @@ bool MeetSharply(const Mesh& mesh, const Triangle& t, const Triangle& s) {
 
 }  // namespace
 
-SharpCorners::SharpCorners(const Mesh& mesh,
-                           const absl::flat_hash_map<VertexId, std::size_t>& row_of,
+SharpCorners::SharpCorners(const Mesh& mesh, const IdTable& row_of,
                            const std::vector<std::pair<Row, Row>>& ways) {
   struct Fan {
     std::vector<Row> ways;
@@ -68,9 +67,8 @@ SharpCorners::SharpCorners(const Mesh& mesh,
     Triangle t;
     bool is_known = true;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto row = row_of.find(mesh.subfacets.corners[3 * f + k]);
-      is_known = is_known && row != row_of.end();
-      if (is_known) t[k] = row->second;
+      t[k] = row_of.Find(mesh.subfacets.corners[3 * f + k]);
+      is_known = is_known && t[k] != IdTable::kNone;
     }
     if (!is_known) continue;
     const FeatureId owner = mesh.subfacets.owners[f];

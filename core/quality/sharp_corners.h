@@ -12,6 +12,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/id_table.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::quality {
@@ -23,7 +24,7 @@ class SharpCorners {
   SharpCorners() = default;
   // `row_of`: as for SeditiousEdges. `ways`: pairs of a corner and a vertex next to it on a segment
   // or an edge. O(size + sum of squares of the features at a corner).
-  SharpCorners(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of,
+  SharpCorners(const Mesh& mesh, const IdTable& row_of,
                const std::vector<std::pair<Row, Row>>& ways);
 
   bool empty() const { return sharp_.empty(); }

@@ -204,6 +204,9 @@ struct BuildOptions {
   // If it proves the features in a mesh of these options, they are not validated again. May be
   // null.
   std::shared_ptr<const ValidFeatures> valid = nullptr;
+  // Called at most once, when `features` have been accepted and are not read any more: they may be
+  // freed while the mesh is made, which may still fail. Not called for quadtrees.
+  std::function<void()> features_read = nullptr;
 };
 
 // Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of

@@ -30,7 +30,11 @@ FileWriter::FileWriter(std::string path) : path_(std::move(path)) {
     partial_ = path_ + ".partial";
   }
   file_ = std::fopen(renameable ? partial_.c_str() : path_.c_str(), "wb");
-  if (file_ == nullptr) Fail("open for writing");
+  if (file_ == nullptr) {
+    Fail("open for writing");
+  } else {
+    std::setvbuf(file_, nullptr, _IONBF, 0);  // there is a buffer here
+  }
 }
 
 FileWriter::~FileWriter() {
@@ -44,12 +48,21 @@ void FileWriter::Fail(std::string_view what) {
   }
 }
 
-void FileWriter::Flush() {
-  if (file_ != nullptr && status_.ok() && !buffer_.empty() &&
-      std::fwrite(buffer_.data(), 1, buffer_.size(), file_) != buffer_.size()) {
+void FileWriter::Write(std::string_view text) {
+  if (file_ != nullptr && status_.ok() && !text.empty() &&
+      std::fwrite(text.data(), 1, text.size(), file_) != text.size()) {
     Fail("write");
   }
+}
+
+void FileWriter::Flush() {
+  Write(buffer_);
   buffer_.clear();
+}
+
+void FileWriter::WriteLarge(std::string_view text) {
+  Flush();
+  Write(text);
 }
 
 absl::Status FileWriter::Finish() {

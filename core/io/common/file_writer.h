@@ -27,6 +27,7 @@ class FileWriter {
   FileWriter& operator=(const FileWriter&) = delete;
 
   FileWriter& operator<<(std::string_view text) {
+    if (text.size() >= kFlushAt) return WriteLarge(text), *this;
     buffer_.append(text);
     if (buffer_.size() >= kFlushAt) Flush();
     return *this;
@@ -57,6 +58,8 @@ class FileWriter {
  private:
   static constexpr std::size_t kFlushAt = std::size_t{1} << 16;
   void Flush();
+  void WriteLarge(std::string_view text);  // without a copy
+  void Write(std::string_view text);
   void Fail(std::string_view what);
   void Discard();
 

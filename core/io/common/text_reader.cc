@@ -82,6 +82,31 @@ bool ParseUint64(std::string_view text, std::uint64_t* value) { return ParseNumb
 
 bool ParseInt64(std::string_view text, std::int64_t* value) { return ParseNumber(text, value); }
 
+void NumberCursor::SkipBlanks() {
+  while (at_ != end_ && IsBlank(*at_)) ++at_;
+}
+
+template <class T>
+bool NumberCursor::TakeNumber(T* value) {
+  SkipBlanks();
+  const auto [behind, error] = std::from_chars(at_, end_, *value);
+  if (error != std::errc() || (behind != end_ && *behind != '\n' && !IsBlank(*behind))) {
+    return false;
+  }
+  at_ = behind;
+  return true;
+}
+
+bool NumberCursor::Take(double* value) { return TakeNumber(value) && std::isfinite(*value); }
+bool NumberCursor::Take(std::uint64_t* value) { return TakeNumber(value); }
+bool NumberCursor::Take(std::int64_t* value) { return TakeNumber(value); }
+
+bool NumberCursor::TakeEnd() {
+  SkipBlanks();
+  if (at_ == end_) return true;
+  return *at_++ == '\n';
+}
+
 TextReader::TextReader(std::string name, std::string text)
     : name_(std::move(name)), text_(std::make_unique<const std::string>(std::move(text))) {
   if (text_->starts_with("\xef\xbb\xbf")) next_ = 3;  // a byte order mark is no value

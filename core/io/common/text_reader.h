@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_IO_COMMON_TEXT_READER_H_
 #define DYNMESH_CORE_IO_COMMON_TEXT_READER_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,6 +24,29 @@ bool ParseDouble(std::string_view text, double* value);
 bool ParseUint64(std::string_view text, std::uint64_t* value);
 bool ParseInt64(std::string_view text, std::int64_t* value);
 
+// The numbers of a line one after the other, in place. Takes what the functions above take, but for
+// a leading +: what is false here may still be right.
+class NumberCursor {
+ public:
+  // Of the line that starts at `text`.
+  explicit NumberCursor(std::string_view text) : at_(text.data()), end_(at_ + text.size()) {}
+
+  bool Take(double* value);
+  bool Take(std::uint64_t* value);
+  bool Take(std::int64_t* value);
+  // Is that all of the line? Then goes behind its end.
+  bool TakeEnd();
+  const char* at() const { return at_; }
+
+ private:
+  template <class T>
+  bool TakeNumber(T* value);
+  void SkipBlanks();
+
+  const char* at_;
+  const char* end_;
+};
+
 // Thread-compatible; move-only.
 class TextReader {
  public:
@@ -33,6 +57,18 @@ class TextReader {
   // Goes to the next line with a value; false at the end of the file. `#` starts a comment,
   // anywhere.
   bool Next();
+  // Goes behind the next line if take(NumberCursor&) takes all of it; else nothing changes. Many
+  // times as fast as Next for rows of numbers. There are no tokens then.
+  template <class TakeLine>
+  bool TakeNext(TakeLine take) {
+    NumberCursor cursor(std::string_view(*text_).substr(std::min(next_, text_->size())));
+    if (!take(cursor) || !cursor.TakeEnd()) return false;
+    next_ = static_cast<std::size_t>(cursor.at() - text_->data());
+    ++line_;
+    joined_ = 0;
+    tokens_.clear();
+    return true;
+  }
   // While the line ends in a backslash, adds the values of the next one to it. `line` stays.
   void JoinContinued();
 

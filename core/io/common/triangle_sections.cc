@@ -62,6 +62,27 @@ absl::Status ReadCorners(const TextReader& reader, const NodeSection& nodes,
   return absl::OkStatus();
 }
 
+// Vertex i, if its row is nothing but the numbers that it should have. Else nothing has changed.
+bool TakeUsualRow(TextReader& reader, const NodeHeader& header, std::uint64_t i,
+                  NodeSection& nodes) {
+  if (header.attributes != 0) return false;
+  std::array<double, 3> position{};
+  std::int64_t marker = 0;
+  const bool is_usual = reader.TakeNext([&](NumberCursor& row) {
+    std::uint64_t number = 0;
+    if (!row.Take(&number) || number != nodes.base + i) return false;
+    for (int k = 0; k < header.dimension; ++k) {
+      if (!row.Take(&position[static_cast<std::size_t>(k)])) return false;
+    }
+    return !header.has_markers || row.Take(&marker);
+  });
+  if (!is_usual) return false;
+  nodes.positions.push_back(position);
+  nodes.markers.push_back(static_cast<std::uint64_t>(marker));
+  nodes.lines.push_back(reader.line());
+  return true;
+}
+
 // Empty if there is no such section.
 absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* what, int dimension,
                                                std::size_t more) {
@@ -81,9 +102,14 @@ absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension) {
   nodes.dimension = header->dimension;
   nodes.attributes = header->attributes;
   nodes.has_markers = header->has_markers;
-  nodes.positions.reserve(Reserve(header->count, reader));
+  const std::size_t rows = Reserve(header->count, reader);
+  nodes.positions.reserve(rows);
+  nodes.markers.reserve(rows);
+  nodes.lines.reserve(rows);
   const std::size_t width = 1 + d + header->attributes + (header->has_markers ? 1 : 0);
   for (std::uint64_t i = 0; i < header->count; ++i) {
+    // The first row tells the base; others are as usual, or read again for what is wrong.
+    if (i != 0 && TakeUsualRow(reader, *header, i, nodes)) continue;
     if (auto s = NextRow(reader, "vertex", i, header->count); !s.ok()) return s;
     if (i == 0 && reader.token(0) == "0") nodes.base = 0;
     if (auto s = CheckNumber(reader, "vertex", nodes.base + i); !s.ok()) return s;

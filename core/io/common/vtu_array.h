@@ -22,26 +22,34 @@ inline constexpr std::string_view kVtuBegin =
     "  <UnstructuredGrid>\n";
 inline constexpr std::string_view kVtuEnd = "  </UnstructuredGrid>\n</VTKFile>\n";
 
-// The base64 of VTK's header (counts and sizes of blocks), then that of the blocks.
-void WriteCompressed(std::string_view bytes, FileWriter& out);
+// The base64 of VTK's header (counts and sizes of blocks), then that of the blocks, which up to
+// `threads` threads compress at once.
+std::string Compressed(std::string_view bytes, int threads);
 
-// One <DataArray>. The attributes `shape` give the number of values.
+template <class T>
+std::string CompressedArray(const std::vector<T>& values, int threads) {
+  return Compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)},
+                    threads);
+}
+
+// One <DataArray> of what CompressedArray has made. The attributes `shape` give the number of
+// values.
+void WriteCompressedArray(std::string_view type, std::string_view name, std::string_view shape,
+                          std::string_view compressed, FileWriter& out);
+
 template <class T>
 void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
-                      const std::vector<T>& values, FileWriter& out) {
-  out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" " << shape
-      << (shape.empty() ? "" : " ") << "format=\"binary\">\n          ";
-  WriteCompressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)}, out);
-  out << "\n        </DataArray>\n";
+                      const std::vector<T>& values, FileWriter& out, int threads = 1) {
+  WriteCompressedArray(type, name, shape, CompressedArray(values, threads), out);
 }
 
 template <class T>
 void WriteArray(std::string_view type, std::string_view name, int components,
-                const std::vector<T>& values, FileWriter& out) {
+                const std::vector<T>& values, FileWriter& out, int threads = 1) {
   // One is the default. Said, it makes meshio read columns of one.
   const std::string shape =
       components == 1 ? "" : text::Concat("NumberOfComponents=\"", components, "\"");
-  WriteShapedArray(type, name, shape, values, out);
+  WriteShapedArray(type, name, shape, values, out, threads);
 }
 
 }  // namespace dynmesh::io

@@ -109,7 +109,7 @@ absl::Status WriteMshMesh(const IndexedMesh& mesh, const MeshOutput& output,
 
 absl::Status WriteVtuMesh(const IndexedMesh& mesh, const MeshOutput& output,
                           const std::string& path) {
-  return WriteVtu(mesh, output.files.rho, path, output.files.min_dihedral);
+  return WriteVtu(mesh, output.files.rho, path, output.files.min_dihedral, output.files.threads);
 }
 
 absl::Status WritePicture(const IndexedMesh& mesh, const MeshOutput& output,

@@ -22,7 +22,7 @@
 namespace dynmesh::io {
 
 struct MeshOutput {
-  MeshFileOptions files;  // of a .node and the files beside it; the bounds, of all formats
+  MeshFileOptions files;  // of a .node and the files beside it; bounds and threads, of all formats
   MshVersion msh_version = MshVersion::k41;
   bool binary = false;  // of a .msh
   SvgOptions picture;

@@ -1,6 +1,7 @@
 #include "core/io/meshes/indexed_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <set>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/id_table.h"
 #include "core/base/text.h"
 #include "core/io/meshes/sort_by_vertex.h"
 #include "core/mesh_data/canonical_order.h"
@@ -19,82 +21,127 @@ using text::Concat;
 using text::Hex;
 namespace {
 
-using NumberOf = absl::flat_hash_map<VertexId, std::uint32_t>;
-
-// The order described in the header: by rank, then by a key.
-int RankOf(const IndexedMesh::Vertex& v) {
-  const bool on_box = v.owner == kBoxFeature;
-  if (on_box) return 1;
-  return v.containing_dimension == 0 ? 0 : 1 + v.containing_dimension;
-}
-auto VertexKey(const IndexedMesh::Vertex& v) {
-  return std::tuple(RankOf(v) == 0 ? v.owner : kNoFeature, v.x, v.y, v.z);
+// Of a vertex's order in the header.
+int RankOf(int containing_dimension, FeatureId owner) {
+  if (owner == kBoxFeature) return 1;
+  return containing_dimension == 0 ? 0 : 1 + containing_dimension;
 }
 
-// The rows in that order, those in one place (of an opened part) by id. Most inputs have it
-// already.
-std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows,
-                                   const std::vector<VertexId>& ids) {
-  std::vector<std::vector<std::uint32_t>> by_rank;
-  for (std::uint32_t i = 0; i < rows.size(); ++i) {
-    const auto rank = static_cast<std::size_t>(RankOf(rows[i]));
-    if (rank >= by_rank.size()) by_rank.resize(rank + 1);
-    by_rank[rank].push_back(i);
-  }
-  std::vector<std::uint32_t> order;
-  order.reserve(rows.size());
-  const auto before = [&](std::uint32_t i, std::uint32_t j) {
-    const auto a = VertexKey(rows[i]), b = VertexKey(rows[j]);
-    return a < b || (a == b && ids[i] < ids[j]);
-  };
-  for (std::vector<std::uint32_t>& rank : by_rank) {
-    if (!std::is_sorted(rank.begin(), rank.end(), before)) {
-      std::sort(rank.begin(), rank.end(), before);
+// Rows of vertices in the order of the header, those in one place (of an opened part) by id.
+class VertexOrder {
+ public:
+  VertexOrder(const VertexColumns& columns, int dimension)
+      : columns_(columns), d_(static_cast<std::size_t>(dimension)) {}
+
+  std::vector<std::uint32_t> Rows() const {
+    std::vector<std::vector<std::uint32_t>> by_rank;
+    for (std::uint32_t i = 0; i < columns_.size(); ++i) {
+      const auto rank =
+          static_cast<std::size_t>(RankOf(columns_.containing_dimensions[i], columns_.owners[i]));
+      if (rank >= by_rank.size()) by_rank.resize(rank + 1);
+      by_rank[rank].push_back(i);
     }
-    order.insert(order.end(), rank.begin(), rank.end());
+    std::vector<std::uint32_t> order;
+    order.reserve(columns_.size());
+    for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
+      if (rank == 0) {
+        Sort<FeatureId>(by_rank[rank], [this](std::uint32_t row) { return columns_.owners[row]; });
+      } else {
+        Sort<double>(by_rank[rank], [this](std::uint32_t row) { return At(row)[0]; });
+      }
+      order.insert(order.end(), by_rank[rank].begin(), by_rank[rank].end());
+    }
+    return order;
   }
-  return order;
-}
+
+ private:
+  const double* At(std::uint32_t row) const { return &columns_.coordinates[d_ * row]; }
+
+  // By the first key, then by position and id. A key is kept beside its row: most comparisons need
+  // no more. Keys that are spread evenly are near their place already, after one pass.
+  template <class Key, class KeyOf>
+  void Sort(std::vector<std::uint32_t>& rows, KeyOf key_of) const {
+    struct Item {
+      Key key;
+      std::uint32_t row;
+    };
+    if (rows.empty()) return;
+    const auto before = [this](const Item& a, const Item& b) {
+      if (a.key < b.key) return true;
+      if (b.key < a.key) return false;
+      const double *const p = At(a.row), *const q = At(b.row);
+      for (std::size_t k = 0; k < d_; ++k) {
+        if (p[k] < q[k]) return true;
+        if (q[k] < p[k]) return false;
+      }
+      return columns_.ids[a.row] < columns_.ids[b.row];
+    };
+    std::vector<Item> items;
+    items.reserve(rows.size());
+    for (const std::uint32_t row : rows) items.push_back({key_of(row), row});
+    if (std::ranges::is_sorted(items, before)) return;
+    const auto [least, most] = std::ranges::minmax(items, {}, &Item::key);
+    const double from = static_cast<double>(least.key);
+    const double scale = static_cast<double>(items.size()) / (static_cast<double>(most.key) - from);
+    const std::size_t slots = items.size() + 1;
+    // Monotone, as each of its operations is.
+    const auto slot_of = [&](const Item& item) {
+      const double slot = (static_cast<double>(item.key) - from) * scale;
+      return slot < static_cast<double>(items.size()) ? static_cast<std::size_t>(slot)
+                                                      : items.size();
+    };
+    if (std::isfinite(scale)) {
+      SortByVertex(items, slots, slot_of, before);
+    } else {
+      std::ranges::sort(items, before);
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = items[i].row;
+  }
+
+  const VertexColumns& columns_;
+  const std::size_t d_;
+};
 
 absl::Status UnknownVertex(VertexId id) {
   return absl::InvalidArgumentError(
       Concat("the mesh names vertex ", Hex(id), ", which it does not have"));
 }
 
-absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh& indexed) {
+// The numbers of vertices by id.
+absl::StatusOr<IdTable> IndexVertices(const VertexColumns& columns, IndexedMesh& indexed) {
   const std::size_t n = columns.size();
   if (n >= std::numeric_limits<std::uint32_t>::max()) {
     return absl::InvalidArgumentError("the mesh has more vertices than files can number");
   }
   const auto d = static_cast<std::size_t>(indexed.dimension);
-  std::vector<IndexedMesh::Vertex> rows(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double* const c = &columns.coordinates[d * i];
-    rows[i] = {c[0], c[1], columns.containing_dimensions[i], columns.owners[i], d == 3 ? c[2] : 0};
-  }
-  NumberOf number_of;
-  number_of.reserve(n);
+  std::vector<std::uint32_t> number_of(n);
   indexed.vertices.reserve(n);
-  for (const std::uint32_t row : OrderOf(rows, columns.ids)) {
-    const auto number = static_cast<std::uint32_t>(indexed.vertices.size());
-    if (!number_of.emplace(columns.ids[row], number).second) {
-      return absl::InvalidArgumentError(
-          Concat("vertex ", Hex(columns.ids[row]), " stands twice in the mesh"));
-    }
-    indexed.vertices.push_back(rows[row]);
+  for (const std::uint32_t row : VertexOrder(columns, indexed.dimension).Rows()) {
+    number_of[row] = static_cast<std::uint32_t>(indexed.vertices.size());
+    const double* const c = &columns.coordinates[d * row];
+    indexed.vertices.push_back(
+        {c[0], c[1], columns.containing_dimensions[row], columns.owners[row], d == 3 ? c[2] : 0});
   }
-  return number_of;
+  indexed.has_plain_ids = true;
+  for (std::size_t row = 0; row < n && indexed.has_plain_ids; ++row) {
+    indexed.has_plain_ids =
+        columns.ids[row] == VertexIdAt(&columns.coordinates[d * row], indexed.dimension);
+  }
+  IdTable table(columns.ids, [&](std::size_t row) { return number_of[row]; });
+  if (const auto row = table.repeated()) {
+    return absl::InvalidArgumentError(
+        Concat("vertex ", Hex(columns.ids[*row]), " stands twice in the mesh"));
+  }
+  return table;
 }
 
 // The numbers of K vertices.
 template <std::size_t K>
-absl::StatusOr<std::array<std::uint32_t, K>> NumbersOf(const VertexId* ids,
-                                                       const NumberOf& number_of) {
+absl::StatusOr<std::array<std::uint32_t, K>> NumbersOf(const VertexId* ids, const IdTable& table) {
   std::array<std::uint32_t, K> numbers;
   for (std::size_t k = 0; k < K; ++k) {
-    const auto it = number_of.find(ids[k]);
-    if (it == number_of.end()) return UnknownVertex(ids[k]);
-    numbers[k] = it->second;
+    numbers[k] = table.Find(ids[k]);
+    if (numbers[k] == IdTable::kNone) return UnknownVertex(ids[k]);
   }
   return numbers;
 }
@@ -116,79 +163,156 @@ void SortSimplices(std::vector<Simplex>& simplices, std::vector<std::uint32_t>& 
 }
 
 template <int D>
-absl::Status IndexSimplices(const SimplexColumn& simplices, const NumberOf& number_of,
+absl::Status IndexSimplices(const SimplexColumn& simplices, const IdTable& table,
                             IndexedMesh& indexed) {
+  constexpr std::size_t kRows = 256;  // looked up together
   auto& rows = SimplicesOf<D>(indexed);
   rows.reserve(simplices.size() / (D + 1));
-  for (std::size_t i = 0; i < simplices.size(); i += D + 1) {
-    const auto t = NumbersOf<D + 1>(&simplices[i], number_of);
-    if (!t.ok()) return t.status();
-    rows.push_back(mesh_data::InCanonicalOrder(*t));
+  std::array<std::uint32_t, kRows*(D + 1)> numbers;
+  for (std::span<const VertexId> rest = simplices; !rest.empty();) {
+    const auto ids = rest.first(std::min(rest.size(), numbers.size()));
+    table.FindAll(ids, std::span(numbers).first(ids.size()));
+    for (std::size_t i = 0; i < ids.size(); i += D + 1) {
+      IndexedMesh::Simplex<D> corners;
+      for (std::size_t k = 0; k <= D; ++k) {
+        if (numbers[i + k] == IdTable::kNone) return UnknownVertex(ids[i + k]);
+        corners[k] = numbers[i + k];
+      }
+      rows.push_back(mesh_data::InCanonicalOrder(corners));
+    }
+    rest = rest.subspan(ids.size());
   }
   SortSimplices(rows, indexed.regions.numbers, indexed.vertices.size());
   return absl::OkStatus();
 }
 
-// Merges subsegments and the simplices' edges. If both have an edge, its owner stays.
-absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& number_of,
+// Rows by their least vertex, in linear time.
+template <class Key>
+class RowsByVertex {
+ public:
+  explicit RowsByVertex(std::size_t vertices) : ends_(vertices + 1, 0) {}
+  // First all of these, ...
+  void Count(std::uint32_t least) { ++ends_[least + std::size_t{1}]; }
+  void Reserve() {
+    for (std::size_t v = 1; v < ends_.size(); ++v) ends_[v] += ends_[v - 1];
+    keys_.resize(ends_.back());
+  }
+  // ... then the same with their keys.
+  void Add(std::uint32_t least, Key key) { keys_[ends_[least]++] = key; }
+  // REQUIRES: all are added.
+  std::span<const Key> Of(std::size_t least) const {
+    const std::size_t begin = least == 0 ? 0 : ends_[least - 1];
+    return std::span(keys_).subspan(begin, ends_[least] - begin);
+  }
+
+ private:
+  std::vector<std::size_t> ends_;  // of the rows; until they are full, where the next key goes
+  std::vector<Key> keys_;
+};
+
+// Every edge once, with its owner if it is a subsegment.
+template <int D>
+absl::Status IndexEdges(const SubsegmentColumns& subsegments, const IdTable& table,
                         IndexedMesh& indexed) {
-  std::vector<IndexedMesh::Edge>& edges = indexed.edges;
-  const std::size_t each = indexed.dimension == 2 ? 3 : 6;
-  edges.reserve(each * indexed.simplex_count() + subsegments.size());
-  ForEachSimplex(indexed, [&](const auto& corners) {
-    for (std::size_t j = 0; j < corners.size(); ++j) {
-      for (std::size_t k = j + 1; k < corners.size(); ++k) {
-        const auto [a, b] = std::minmax(corners[j], corners[k]);
-        edges.push_back({a, b, kNoFeature});
-      }
-    }
-  });
+  struct Owned {
+    std::array<std::uint32_t, 2> place;
+    FeatureId owner;
+  };
+  std::vector<Owned> owned;
+  owned.reserve(subsegments.size());
   for (std::size_t i = 0; i < subsegments.size(); ++i) {
-    const auto ends = NumbersOf<2>(&subsegments.ends[2 * i], number_of);
+    const auto ends = NumbersOf<2>(&subsegments.ends[2 * i], table);
     if (!ends.ok()) return ends.status();
     const auto [a, b] = std::minmax((*ends)[0], (*ends)[1]);
-    edges.push_back({a, b, subsegments.owners[i]});
+    owned.push_back({{a, b}, subsegments.owners[i]});
   }
-  // Owned rows first, so that unique() removes the copies without an owner.
-  SortByVertex(
-      edges, indexed.vertices.size(), [](const auto& e) { return e.a; },
-      [](const auto& e, const auto& f) {
-        return std::tuple(e.a, e.b, e.owner == kNoFeature, e.owner) <
-               std::tuple(f.a, f.b, f.owner == kNoFeature, f.owner);
-      });
-  const auto same = [](const auto& e, const auto& f) {
-    return e.a == f.a && e.b == f.b && (f.owner == kNoFeature || e.owner == f.owner);
+  // Those without an owner last, so that unique() removes the copies without one.
+  std::ranges::sort(owned, {}, [](const Owned& e) {
+    return std::tuple(e.place, e.owner == kNoFeature, e.owner);
+  });
+  const auto same = [](const Owned& e, const Owned& f) {
+    return e.place == f.place && (f.owner == kNoFeature || e.owner == f.owner);
   };
-  edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
+  owned.erase(std::unique(owned.begin(), owned.end(), same), owned.end());
+  const auto& simplices = SimplicesOf<D>(indexed);
+  const std::size_t n = indexed.vertices.size();
+  // Corner 0 is the least.
+  RowsByVertex<std::uint32_t> others(n);
+  const auto for_each_other = [&](auto f) {
+    for (const auto& s : simplices) {
+      for (std::size_t j = 1; j <= D; ++j) {
+        for (std::size_t k = j + 1; k <= D; ++k) f(std::min(s[j], s[k]), std::max(s[j], s[k]));
+      }
+    }
+  };
+  for_each_other([&](std::uint32_t a, std::uint32_t) { others.Count(a); });
+  others.Reserve();
+  for_each_other([&](std::uint32_t a, std::uint32_t b) { others.Add(a, b); });
+  indexed.edges.reserve((D == 2 ? 3 : 8) * n + owned.size());
+  std::vector<std::uint32_t> seen_from(n, ~std::uint32_t{0}), ends;
+  auto simplex = simplices.begin();
+  auto next = owned.begin();
+  for (std::uint32_t a = 0; a < n; ++a) {
+    ends.clear();
+    const auto see = [&](std::uint32_t b) {
+      if (seen_from[b] != a) ends.push_back(b);
+      seen_from[b] = a;
+    };
+    for (; simplex != simplices.end() && (*simplex)[0] == a; ++simplex) {
+      for (std::size_t k = 1; k <= D; ++k) see((*simplex)[k]);
+    }
+    for (const std::uint32_t b : others.Of(a)) see(b);
+    for (auto own = next; own != owned.end() && own->place[0] == a; ++own) see(own->place[1]);
+    std::ranges::sort(ends);
+    for (const std::uint32_t b : ends) {
+      const std::array place = {a, b};
+      if (next == owned.end() || next->place != place) indexed.edges.push_back({a, b, kNoFeature});
+      for (; next != owned.end() && next->place == place; ++next) {
+        indexed.edges.push_back({a, b, next->owner});
+      }
+    }
+  }
   return absl::OkStatus();
 }
 
 // Adds the triangles with only one tetrahedron, owned by the box.
 void AddBorder(IndexedMesh& indexed) {
-  std::vector<std::array<std::uint32_t, 3>> sides;
-  sides.reserve(4 * indexed.tetrahedra.size());
-  for (const auto& t : indexed.tetrahedra) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      std::array<std::uint32_t, 3> side = {t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
-      std::sort(side.begin(), side.end());
-      sides.push_back(side);
+  // Of a side its two greater corners. Corner 0 is the least, corner 1 that of the others.
+  const auto key_of = [](std::uint32_t p, std::uint32_t q) {
+    return std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
+  };
+  RowsByVertex<std::uint64_t> others(indexed.vertices.size());
+  for (const auto& t : indexed.tetrahedra) others.Count(t[1]);
+  others.Reserve();
+  for (const auto& t : indexed.tetrahedra) others.Add(t[1], key_of(t[2], t[3]));
+  std::vector<std::uint64_t> sides;
+  auto simplex = indexed.tetrahedra.begin();
+  for (std::uint32_t a = 0; a < indexed.vertices.size(); ++a) {
+    const auto rest = others.Of(a);
+    sides.assign(rest.begin(), rest.end());
+    for (; simplex != indexed.tetrahedra.end() && (*simplex)[0] == a; ++simplex) {
+      const auto& [least, b, c, d] = *simplex;
+      sides.insert(sides.end(), {key_of(b, c), key_of(b, d), key_of(c, d)});
     }
-  }
-  SortByVertex(
-      sides, indexed.vertices.size(), [](const auto& side) { return side[0]; }, std::less<>());
-  for (std::size_t i = 0; i < sides.size();) {
-    const std::size_t first = i;
-    while (i < sides.size() && sides[i] == sides[first]) ++i;
-    if (i - first == 1) indexed.faces.push_back({sides[first], kBoxFeature});
+    std::ranges::sort(sides);
+    for (std::size_t i = 0; i < sides.size();) {
+      const std::size_t first = i;
+      while (i < sides.size() && sides[i] == sides[first]) ++i;
+      if (i - first != 1) continue;
+      const std::uint64_t side = sides[first];
+      const std::array corners = {a, static_cast<std::uint32_t>(side >> 32),
+                                  static_cast<std::uint32_t>(side)};
+      indexed.faces.push_back({corners, kBoxFeature});
+    }
   }
 }
 
-absl::Status IndexFaces(const SubfacetColumns& subfacets, const NumberOf& number_of,
+absl::Status IndexFaces(const SubfacetColumns& subfacets, const IdTable& table,
                         IndexedMesh& indexed) {
   std::vector<IndexedMesh::Face>& faces = indexed.faces;
-  AddBorder(indexed);
+  if (!indexed.tetrahedra.empty()) AddBorder(indexed);
   for (std::size_t i = 0; i < subfacets.size(); ++i) {
-    auto corners = NumbersOf<3>(&subfacets.corners[3 * i], number_of);
+    auto corners = NumbersOf<3>(&subfacets.corners[3 * i], table);
     if (!corners.ok()) return corners.status();
     std::sort(corners->begin(), corners->end());
     faces.push_back({*corners, subfacets.owners[i]});
@@ -262,15 +386,17 @@ absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh) {
   if (auto status = mesh_data::CheckColumns(mesh); !status.ok()) return status;
   IndexedMesh indexed;
   indexed.dimension = mesh.dimension;
-  absl::StatusOr<NumberOf> number_of = IndexVertices(mesh.vertices, indexed);
-  if (!number_of.ok()) return number_of.status();
+  const absl::StatusOr<IdTable> table = IndexVertices(mesh.vertices, indexed);
+  if (!table.ok()) return table.status();
   indexed.regions = NumberRegions(mesh);
-  const absl::Status status = mesh.dimension == 2
-                                  ? IndexSimplices<2>(mesh.simplices, *number_of, indexed)
-                                  : IndexSimplices<3>(mesh.simplices, *number_of, indexed);
+  const auto index = [&]<int D>() {
+    if (auto s = IndexSimplices<D>(mesh.simplices, *table, indexed); !s.ok()) return s;
+    return IndexEdges<D>(mesh.subsegments, *table, indexed);
+  };
+  const absl::Status status =
+      mesh.dimension == 2 ? index.template operator()<2>() : index.template operator()<3>();
   if (!status.ok()) return status;
-  if (auto s = IndexEdges(mesh.subsegments, *number_of, indexed); !s.ok()) return s;
-  if (auto s = IndexFaces(mesh.subfacets, *number_of, indexed); !s.ok()) return s;
+  if (auto s = IndexFaces(mesh.subfacets, *table, indexed); !s.ok()) return s;
   return indexed;
 }
 

@@ -63,6 +63,8 @@ struct IndexedMesh {
   // Order 2: the vertices from here on are the midpoints of `edges`, in their order. 0: order 1.
   std::uint32_t first_midpoint = 0;
   RowLabels labels;  // what the input says of rows; IndexMesh leaves it empty
+  // Of IndexMesh: the mesh's ids are those that ToMesh makes, so its hash is that of ToMesh.
+  bool has_plain_ids = false;
 
   // Of the mesh's dimension.
   std::size_t simplex_count() const {

@@ -145,23 +145,6 @@ bool IsConstraint(const IndexedMesh& mesh, FeatureId owner, const std::vector<st
 
 }  // namespace
 
-void WriteMarker(FeatureId owner, FileWriter& out) {
-  if (owner == kBoxFeature) {
-    out << -1;
-  } else {
-    out << owner;
-  }
-}
-
-void WriteRowMarker(const IndexedMesh& mesh, const std::vector<std::int64_t>& labels, std::size_t i,
-                    FeatureId owner, FileWriter& out) {
-  if (mesh.labels.replace_ids) {
-    out << labels[i];
-  } else {
-    WriteMarker(owner, out);
-  }
-}
-
 void WriteNeighbours(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
   mesh.dimension == 2 ? WriteNeighboursOf<2>(mesh, base, out)
                       : WriteNeighboursOf<3>(mesh, base, out);

@@ -3,8 +3,10 @@
 #ifndef DYNMESH_CORE_IO_MESHES_MESH_COMPANIONS_H_
 #define DYNMESH_CORE_IO_MESHES_MESH_COMPANIONS_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/io/common/file_writer.h"
 #include "core/io/meshes/indexed_mesh.h"
@@ -26,10 +28,24 @@ void WriteConstraints(const IndexedMesh& mesh, const MeshFileOptions& options,
                       const std::string& extension, FileWriter& out);
 
 // The marker of an owner: -1 is the box, which is its id in two's complement.
-void WriteMarker(FeatureId owner, FileWriter& out);
+template <class Out>
+void WriteMarker(FeatureId owner, Out& out) {
+  if (owner == kBoxFeature) {
+    out << "-1";
+  } else {
+    out << owner;
+  }
+}
 // The marker of row i, from the labels if they have it in place of ids.
+template <class Out>
 void WriteRowMarker(const IndexedMesh& mesh, const std::vector<std::int64_t>& labels, std::size_t i,
-                    FeatureId owner, FileWriter& out);
+                    FeatureId owner, Out& out) {
+  if (mesh.labels.replace_ids) {
+    out << labels[i];
+  } else {
+    WriteMarker(owner, out);
+  }
+}
 
 }  // namespace dynmesh::io
 

@@ -43,6 +43,8 @@ struct MeshFileOptions {
   bool is_triangulation = false;     // comments say so: of kind triangulation, without bounds
   double rho = 0, min_dihedral = 0;  // comments have the bounds that the mesh was made with; 0: no
   std::vector<SeedRow> holes;        // of a .poly or .smesh
+  std::optional<MeshHash> hash;      // of the mesh if it is known; otherwise it is computed
+  int threads = 1;                   // that make text at once, at most; no byte depends on it
   std::uint64_t base() const { return from_zero ? 0 : 1; }
 };
 

@@ -11,6 +11,8 @@
 #include "absl/container/flat_hash_map.h"
 #include "core/io/common/extension.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/common/parallel.h"
+#include "core/io/common/text_block.h"
 #include "core/io/meshes/mesh_companions.h"
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/meshes/mesh_notes.h"
@@ -57,17 +59,17 @@ FeatureId VertexMarker(const IndexedMesh::Vertex& v, bool steiner_ids) {
 void WriteNodes(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out) {
   const std::size_t attributes = mesh.labels.attributes;
   out << mesh.vertices.size() << ' ' << mesh.dimension << ' ' << attributes << " 1\n";
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+  WriteRows(mesh.vertices.size(), options.threads, out, [&](std::size_t i, TextBlock& text) {
     const IndexedMesh::Vertex& v = mesh.vertices[i];
-    out << i + options.base() << ' ' << v.x << ' ' << v.y << ' ';
-    if (mesh.dimension == 3) out << v.z << ' ';
+    text << i + options.base() << ' ' << v.x << ' ' << v.y << ' ';
+    if (mesh.dimension == 3) text << v.z << ' ';
     for (std::size_t k = 0; k < attributes; ++k) {
-      out << mesh.labels.vertex_values[i * attributes + k] << ' ';
+      text << mesh.labels.vertex_values[i * attributes + k] << ' ';
     }
     WriteRowMarker(mesh, mesh.labels.vertex_markers, i, VertexMarker(v, mesh.labels.steiner_ids),
-                   out);
-    out << '\n';
-  }
+                   text);
+    text << '\n';
+  });
   if (mesh.labels.replace_ids) {
     out << "# dynmesh " << kMarkersNote << '\n';
   } else {
@@ -85,7 +87,8 @@ void WriteNodes(const IndexedMesh& mesh, const MeshFileOptions& options, FileWri
   }
   if (options.is_part) out << "# dynmesh " << kPartNote << '\n';
   if (!mesh.labels.replace_ids && mesh.order() == 1) {
-    out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
+    const MeshHash hash = options.hash ? *options.hash : ToMesh(mesh).hash;
+    out << "# dynmesh " << kHashNote << hash.ToHex() << '\n';
   }
 }
 
@@ -96,7 +99,7 @@ constexpr std::pair<std::size_t, std::size_t> kEdgesOf4[] = {{2, 3}, {0, 3}, {0,
 
 template <std::size_t N>
 void WriteMidpoints(const IndexedMesh& mesh, const std::array<std::uint32_t, N>& corners,
-                    std::uint64_t base, FileWriter& out) {
+                    std::uint64_t base, TextBlock& out) {
   const auto write = [&](const auto& edges) {
     for (const auto& [j, k] : edges) out << ' ' << mesh.MidpointOf(corners[j], corners[k]) + base;
   };
@@ -107,7 +110,22 @@ void WriteMidpoints(const IndexedMesh& mesh, const std::array<std::uint32_t, N>&
   }
 }
 
-void WriteSimplices(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+// The rows of simplices, each with an end that more(i, text) writes.
+template <int D, class More>
+void WriteSimplexRows(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out,
+                      const More& more) {
+  const auto& simplices = SimplicesOf<D>(mesh);
+  const std::uint64_t base = options.base();
+  WriteRows(simplices.size(), options.threads, out, [&](std::size_t i, TextBlock& text) {
+    text << i + base;
+    for (const std::uint32_t v : simplices[i]) text << ' ' << v + base;
+    if (mesh.order() == 2) WriteMidpoints(mesh, simplices[i], base, text);
+    more(i, text);
+    text << '\n';
+  });
+}
+
+void WriteSimplices(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out) {
   const std::vector<double>& values = mesh.labels.simplex_values;
   const bool has_values = mesh.labels.replace_ids && !values.empty();
   const bool has_regions = !mesh.labels.replace_ids && mesh.regions.count() != 0;
@@ -118,42 +136,40 @@ void WriteSimplices(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out
   const int nodes = (mesh.dimension + 1) * (mesh.order() == 1 ? 2 : mesh.dimension + 2) / 2;
   out << mesh.simplex_count() << ' ' << nodes << ' '
       << (has_regions || has_values || has_markers ? 1 : 0) << '\n';
-  std::size_t i = 0;
-  ForEachSimplex(mesh, [&](const auto& corners) {
-    out << i + base;
-    for (const std::uint32_t v : corners) out << ' ' << v + base;
-    if (mesh.order() == 2) WriteMidpoints(mesh, corners, base, out);
-    if (has_regions) out << ' ' << mesh.regions.Of(i);
-    if (has_values) out << ' ' << values[i];
-    if (has_markers) out << ' ' << labels[mesh.regions.Of(i)].marker;
-    out << '\n';
-    ++i;
-  });
+  const auto more = [&](std::size_t i, TextBlock& text) {
+    if (has_regions) text << ' ' << mesh.regions.Of(i);
+    if (has_values) text << ' ' << values[i];
+    if (has_markers) text << ' ' << labels[mesh.regions.Of(i)].marker;
+  };
+  mesh.dimension == 2 ? WriteSimplexRows<2>(mesh, options, out, more)
+                      : WriteSimplexRows<3>(mesh, options, out, more);
   if (!has_regions) return;
   for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
     out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
   }
 }
 
-void WriteFaces(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+void WriteFaces(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out) {
+  const std::uint64_t base = options.base();
   out << mesh.faces.size() << " 1\n";
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    out << i + base;
-    for (const std::uint32_t v : mesh.faces[i].corners) out << ' ' << v + base;
-    out << ' ';
-    WriteRowMarker(mesh, mesh.labels.face_markers, i, mesh.faces[i].owner, out);
-    out << '\n';
-  }
+  WriteRows(mesh.faces.size(), options.threads, out, [&](std::size_t i, TextBlock& text) {
+    text << i + base;
+    for (const std::uint32_t v : mesh.faces[i].corners) text << ' ' << v + base;
+    text << ' ';
+    WriteRowMarker(mesh, mesh.labels.face_markers, i, mesh.faces[i].owner, text);
+    text << '\n';
+  });
 }
 
-void WriteEdges(const IndexedMesh& mesh, std::uint64_t base, FileWriter& out) {
+void WriteEdges(const IndexedMesh& mesh, const MeshFileOptions& options, FileWriter& out) {
+  const std::uint64_t base = options.base();
   out << mesh.edges.size() << " 1\n";
-  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+  WriteRows(mesh.edges.size(), options.threads, out, [&](std::size_t i, TextBlock& text) {
     const IndexedMesh::Edge& e = mesh.edges[i];
-    out << i + base << ' ' << e.a + base << ' ' << e.b + base << ' ';
-    WriteRowMarker(mesh, mesh.labels.edge_markers, i, e.owner, out);
-    out << '\n';
-  }
+    text << i + base << ' ' << e.a + base << ' ' << e.b + base << ' ';
+    WriteRowMarker(mesh, mesh.labels.edge_markers, i, e.owner, text);
+    text << '\n';
+  });
 }
 
 }  // namespace
@@ -176,9 +192,9 @@ absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path,
   WriteNodes(mesh, options, files.emplace_back(stem + ".node"));
   // Beside a surface TetGen takes all rows of an .edge for segments.
   if (mesh.dimension == 2 || !has_constraints) {
-    WriteSimplices(mesh, options.base(), files.emplace_back(stem + ".ele"));
-    WriteEdges(mesh, options.base(), files.emplace_back(stem + ".edge"));
-    if (mesh.dimension == 3) WriteFaces(mesh, options.base(), files.emplace_back(stem + ".face"));
+    WriteSimplices(mesh, options, files.emplace_back(stem + ".ele"));
+    WriteEdges(mesh, options, files.emplace_back(stem + ".edge"));
+    if (mesh.dimension == 3) WriteFaces(mesh, options, files.emplace_back(stem + ".face"));
   }
   if (has_constraints) {
     WriteConstraints(mesh, options, extension, files.emplace_back(stem + extension));

@@ -121,7 +121,7 @@ std::vector<RegionLabel> RegionLabelsOf(const RegionScene& scene, const FeatureL
 }
 
 std::vector<RegionLabel> RegionLabelsOf(const IndexedMesh& mesh) {
-  if (mesh.labels.features == nullptr) {
+  if (mesh.labels.features == nullptr || mesh.regions.count() == 0) {
     return std::vector<RegionLabel>(mesh.regions.count() + 1);
   }
   RegionScene scene;

@@ -31,9 +31,9 @@ namespace dynmesh::io {
 //   field data  region_polygons: the polygons' ids, region by region; region_ends: their
 //               number up to and including region 1, 2, ...
 // `min_dihedral` in degrees is for 3D; 0: no bound. UNAVAILABLE, naming the path, if it cannot be
-// written.
+// written. Up to `threads` threads measure and compress at once; no byte depends on it.
 absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path,
-                      double min_dihedral = 0);
+                      double min_dihedral = 0, int threads = 1);
 
 }  // namespace dynmesh::io
 

@@ -47,6 +47,24 @@ TEST_F(CommandLimits, TheSearchForRefusalsEndsAfterTen) {
   EXPECT_NE(Run("mesh --exact x.poly").err.find("warning: 3 refusals\n"), std::string::npos);
 }
 
+// Points are kept in another form while a mesh is made of many.
+TEST_F(CommandLimits, OfManyPointsTooManyVerticesAreRefused) {
+  std::ostringstream points;
+  points << 2500 << " 2 0 0\n";
+  for (int i = 0; i < 2500; ++i) {
+    // Two in the middle are close to each other.
+    const double x = i == 1225 ? 24 : i % 50, y = i == 1225 ? 24.00001 : i / 50;
+    points << i + 1 << ' ' << x << ' ' << y << '\n';
+  }
+  folder_.Write("p.node", points.str());
+  const Outcome limited = Run("mesh p.node --max-vertices 2600 -o m.node");
+  EXPECT_EQ(limited.code, 1);
+  EXPECT_NE(limited.err.find("max_vertices = 2600"), std::string::npos) << limited.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("m.node")));
+  EXPECT_EQ(Run("mesh p.node -o m.node").code, 0);
+  EXPECT_EQ(Run("verify m.node --input p.node").code, 0);
+}
+
 TEST_F(CommandLimits, MemoryEndsAMeshWithAnError) {
   folder_.Write("s.node", "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n");
   // The process alone takes some megabytes; this mesh takes hundreds.

@@ -48,6 +48,24 @@ TEST_F(Outputs, CompanionsAreWrittenOnRequest) {
   EXPECT_EQ(Run("mesh p.poly -o m.msh -o m.vtu -o m.node -o m.svg --order 2").code, 0);
 }
 
+// Enough for several blocks of rows and of compressed bytes.
+TEST_F(Outputs, BytesDoNotDependOnThreads) {
+  const std::vector<std::string> names = {".node", ".ele", ".edge", ".vtu", ".msh"};
+  const std::string flags = " -q 25 -a 0.0005 -o ";
+  for (const std::string threads : {"1", "2", "5"}) {
+    const std::string stem = "t" + threads;
+    const Outcome done = Run("mesh p.poly --json --threads " + threads + flags + stem +
+                             ".node -o " + stem + ".vtu -o " + stem + ".msh");
+    ASSERT_EQ(done.code, 0) << done.err;
+    for (const std::string& name : names) {
+      EXPECT_TRUE(folder_.Read(stem + name) == folder_.Read("t1" + name)) << threads << name;
+    }
+  }
+  EXPECT_GT(std::filesystem::file_size(folder_.Path("t1.edge")), 1'000'000U);
+  EXPECT_EQ(Run("verify t5.node").code, 0);  // the hash in it, too
+  EXPECT_EQ(Run("mesh p.poly --threads 0 -o n.node").code, 2);
+}
+
 TEST_F(Outputs, BytesOfAMshAreTheSameMesh) {
   ASSERT_EQ(Run("mesh p.poly -q 30 -a 0.01 -o a.msh").code, 0);
   for (const std::string version : {"4.1", "2.2"}) {

@@ -116,5 +116,47 @@ TEST(TextReader, NamesTheFileItCannotRead) {
   EXPECT_EQ(TextReader::Open(folder.Path("")).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST(TextReader, TakesALineOfNumbersOrLeavesIt) {
+  TextReader reader("f", "1 2.5\t-3 \r\n  2 1e3 4\n3 4 5 # end\n4 +1 6\n5 inf 7\n6 0x 8\n7 9 -9");
+  const auto take = [&](std::uint64_t number, double value, std::int64_t marker) {
+    return reader.TakeNext([&](NumberCursor& row) {
+      std::uint64_t n = 0;
+      double v = 0;
+      std::int64_t m = 0;
+      return row.Take(&n) && row.Take(&v) && row.Take(&m) && n == number && v == value &&
+             m == marker;
+    });
+  };
+  EXPECT_FALSE(reader.TakeNext([](NumberCursor& row) {
+    double v = 0;
+    return row.Take(&v) && row.Take(&v);
+  })) << "there is one more";
+  EXPECT_TRUE(take(1, 2.5, -3));
+  EXPECT_EQ(reader.line(), 1);
+  EXPECT_EQ(reader.size(), 0U);
+  EXPECT_TRUE(take(2, 1000, 4));
+  EXPECT_FALSE(take(3, 4, 5)) << "a comment";
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.line(), 3);
+  EXPECT_EQ(reader.size(), 3U);
+  EXPECT_FALSE(take(4, 1, 6)) << "a plus";
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.token(1), "+1");
+  for (const int line : {5, 6}) {
+    EXPECT_FALSE(reader.TakeNext([](NumberCursor& row) {
+      double v = 0;
+      return row.Take(&v) && row.Take(&v) && row.Take(&v);
+    }));
+    ASSERT_TRUE(reader.Next());
+    EXPECT_EQ(reader.line(), line);
+  }
+  EXPECT_TRUE(take(7, 9, -9)) << "without a line's end";
+  EXPECT_FALSE(reader.TakeNext([](NumberCursor& row) {
+    double v = 0;
+    return row.Take(&v);
+  }));
+  EXPECT_FALSE(reader.Next());
+}
+
 }  // namespace
 }  // namespace dynmesh::io
