@@ -16,13 +16,12 @@ RUN deploy/install-packages build && rm -rf /var/lib/apt/lists/*
 COPY . .
 RUN cmake --preset release -DDYNMESH_TESTS=OFF -DDYNMESH_BENCHMARKS=OFF -DDYNMESH_PYTHON=OFF \
  && cmake --build --preset release --target dynmeshd dynmesh_cli \
- && strip build/release/bin/dynmeshd build/release/bin/dynmesh build/release/bin/dynmesh-with-servers
+ && strip build/release/bin/dynmeshd build/release/bin/dynmesh
 
 FROM debian:12-slim
 COPY deploy/packages.txt deploy/install-packages /tmp/deploy/
 RUN /tmp/deploy/install-packages runtime && rm -rf /var/lib/apt/lists/* /tmp/deploy
-COPY --from=build /src/build/release/bin/dynmeshd /src/build/release/bin/dynmesh \
-  /src/build/release/bin/dynmesh-with-servers /usr/local/bin/
+COPY --from=build /src/build/release/bin/dynmeshd /src/build/release/bin/dynmesh /usr/local/bin/
 COPY LICENSE /usr/share/doc/dynmesh/
 RUN groupadd --gid 10001 dynmesh \
  && useradd --uid 10001 --gid 10001 --no-create-home --shell /usr/sbin/nologin dynmesh \

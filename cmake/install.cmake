@@ -94,10 +94,6 @@ endif()
 if(TARGET dynmesh_cli AND TARGET dynmeshd)
   install(TARGETS dynmesh_cli dynmeshd
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT service)
-  if(TARGET dynmesh_cli_with_servers)
-    install(TARGETS dynmesh_cli_with_servers
-      RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/dynmesh COMPONENT service)
-  endif()
   get_target_property(pages dynmesh_help_pages FOLDER_OF_PAGES)
   install(FILES ${pages}/dynmesh.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT service)
   install(FILES ${pages}/dynmesh.bash RENAME dynmesh

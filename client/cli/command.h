@@ -52,8 +52,8 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot);
 void RegisterImportCommand(CLI::App& app, CommandSlot& slot);
 void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot);
 void RegisterDiffCommand(CLI::App& app, CommandSlot& slot);
-// All commands that use a server; only where remote/ is built, in the program that its CMakeLists
-// defines DYNMESH_CLI_REMOTE for.
+// All commands that use a server; only where remote/ is built. Its CMakeLists links it to
+// dynmesh_cli and defines DYNMESH_CLI_REMOTE there.
 void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot);
 
 }  // namespace dynmesh::cli

@@ -1,21 +1,9 @@
 // The `dynmesh` command. To add a command: write a file with Register*Command (command.h), and add
 // one line below.
-//
-// The commands that use a server need libraries that take most of the time in which a small mesh is
-// made, only to be loaded. So there are two programs of this file: `dynmesh` has the commands that
-// use none, and runs the other, which has all, for everything else: other commands, --server, help
-// and errors of usage.
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
-
-#ifdef DYNMESH_PROGRAM_WITH_SERVERS
-#include <unistd.h>
-
-#include <filesystem>
-#include <system_error>
-#endif
 
 #include "CLI/CLI.hpp"
 #include "client/cli/command.h"
@@ -26,19 +14,6 @@
 
 namespace dynmesh::cli {
 namespace {
-
-// Becomes the program with all commands. Returns if there is none: then what is here is all.
-void RunWithServers([[maybe_unused]] char** argv) {
-#ifdef DYNMESH_PROGRAM_WITH_SERVERS
-  std::error_code error;
-  const auto here = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  if (error) return;
-  // As built, and as installed.
-  for (const auto& folder : {here, here.parent_path() / "libexec" / "dynmesh"}) {
-    execv((folder / DYNMESH_PROGRAM_WITH_SERVERS).c_str(), argv);
-  }
-#endif
-}
 
 int Main(int argc, char** argv) {
   CLI::App app("Dynamic Delaunay meshes: from scratch, edit by edit, and proof of both.",
@@ -64,7 +39,6 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    RunWithServers(argv);
     // CLI11 reports help and version as errors with code 0. It has a code for each kind of bad
     // usage; here all have the same.
     if (error.get_exit_code() == 0) return app.exit(error), kExitDone;
@@ -72,7 +46,6 @@ int Main(int argc, char** argv) {
         text::Concat(error.what(), Suggestion(app, {argv + 1, argv + argc}),
                      "\nRun with --help for more information.")));
   }
-  if (!slot.run || app.got_subcommand("help")) RunWithServers(argv);
   if (slot.run) return slot.run();
   std::fputs(app.help().c_str(), stderr);
   return kExitBadInput;

@@ -385,7 +385,6 @@ class Packages(Folder):
             "/usr/share/man/man1/dynmesh.1", "/usr/share/bash-completion/completions/dynmesh",
             "/usr/bin/dynmesh",
             "/usr/bin/dynmeshd",
-            "/usr/libexec/dynmesh/dynmesh-with-servers",
             "/usr/lib/systemd/system/dynmeshd.service",
             "/usr/share/doc/dynmesh/CHANGELOG.md",
             "/usr/share/doc/dynmesh/LICENSE",
@@ -393,8 +392,7 @@ class Packages(Folder):
             "/usr/share/doc/dynmesh/copyright",
         })
         for name, (mode, owner) in files.items():
-            is_program = "/bin/" in name or "/libexec/" in name
-            self.assertEqual(mode, "-rwxr-xr-x" if is_program else "-rw-r--r--", name)
+            self.assertEqual(mode, "-rwxr-xr-x" if "/bin/" in name else "-rw-r--r--", name)
             self.assertEqual(owner, "root/root", name)
 
     def test_its_libraries_are_named(self):
