@@ -167,5 +167,37 @@ TEST(BuildMesh, IsLimitedInterruptedAndReported) {
   }
 }
 
+TEST(BuildMesh, FeaturesMayGoWhenTheyAreRead) {
+  for (const bool has_segment : {false, true}) {
+    for (const BuildEngine engine : {BuildEngine::kDynamic, BuildEngine::kSvr}) {
+      std::vector<Feature> features = PointFeatures<2>(test::Layout::kUniform, 200);
+      features[7].label = OptionalLabel(3, "seven");
+      if (has_segment) {
+        features.push_back(Feature::Point(900, 2, 2));
+        features.push_back(Feature::Point(901, 3, 2));
+        features.push_back(Feature::Segment(902, 900, 901));
+      }
+      MeshOptions options = OptionsIn(2);
+      options.box = {{-1, -1, 0}, {4, 4, 0}};
+      BuildOptions build;
+      build.engine = engine;
+      const auto kept = BuildMesh(features, options, build);
+      ASSERT_TRUE(kept.ok()) << kept.status();
+      int calls = 0;
+      build.features_read = [&] {
+        ++calls;
+        std::vector<Feature>().swap(features);
+      };
+      const auto mesh = BuildMesh(features, options, build);
+      ASSERT_TRUE(mesh.ok()) << mesh.status();
+      EXPECT_EQ(calls, 1);
+      EXPECT_EQ(mesh->hash, kept->hash);
+      EXPECT_EQ(mesh->revision, 1U);
+      EXPECT_EQ(mesh->labels, kept->labels);
+      EXPECT_EQ(mesh->labels.size(), 1U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh::build_mesh_test
