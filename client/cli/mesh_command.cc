@@ -161,7 +161,13 @@ std::optional<double> LargerTolerance(const MeshCommand& command, const Input& i
                                       const absl::Status& refusal) {
   const io::Format* const format = io::FindFormat(command.input);
   if (!input.preparation || format == nullptr || !format->Is(io::kSurface)) return std::nullopt;
-  if (command.mesh.max_vertices) return std::nullopt;
+  // What was asked for may be the reason as well; and features of sizes are none of the file.
+  const MeshFlags& mesh = command.mesh;
+  const SizeFlags& sizes = command.sizes;
+  if (mesh.max_vertices || mesh.max_edge || mesh.max_volume || !command.max_memory.empty() ||
+      !sizes.files.empty() || !sizes.of.empty() || !sizes.grades.empty()) {
+    return std::nullopt;
+  }
   InputFlags reading = command.reading;
   preparation::Report report = *input.preparation;
   while (const auto larger = preparation::ToleranceIfTooFine(report, refusal)) {

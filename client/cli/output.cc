@@ -112,7 +112,8 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
                    "Triangle and TetGen read some of them as a part of it");
   command
       .add_option("--threads", flags.threads,
-                  "Threads that measure and write a large mesh, at most; files do not depend on it "
+                  "Threads that write a large mesh, at most, beside one that measures it; files do "
+                  "not depend on it "
                   "(default: one for each processor, at most 8)")
       ->type_name("N")
       ->check(CLI::Range(1, 256));

@@ -118,7 +118,7 @@ class Replay {
   absl::Status CheckTrace(const MeshOptions& options) const {
     if (command_.trace.empty()) return absl::OkStatus();
     if (options.kind != MeshKind::kDelaunay) {
-      return absl::InvalidArgumentError("--trace is for Delaunay meshes, not for quadtrees");
+      return absl::InvalidArgumentError("--trace is for meshes of kind delaunay: others have no trace");
     }
     return CheckTracePath(command_.trace);
   }

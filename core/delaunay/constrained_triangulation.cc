@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "core/geometry/predicates.h"
 
@@ -25,12 +26,15 @@ void ConstrainedTriangulation::SetSegment(Corner c, bool is) {
 
 ConstrainedTriangulation::Corner ConstrainedTriangulation::FindEdge(VertexIndex a,
                                                                     VertexIndex b) const {
-  const Corner first = Around(a);
-  Corner c = first;
+  // Around both ends at once: one of them may have very many edges.
+  const Corner first_at_a = Around(a), first_at_b = Around(b);
+  Corner at_a = first_at_a, at_b = first_at_b;
   do {
-    if (NextVertex(c) == b) return {c.simplex, PreviousIndex(c.index)};
-    c = NextAround(c);
-  } while (c != first);
+    if (NextVertex(at_a) == b) return {at_a.simplex, PreviousIndex(at_a.index)};
+    if (NextVertex(at_b) == a) return Opposite({at_b.simplex, PreviousIndex(at_b.index)});
+    at_a = NextAround(at_a);
+    at_b = NextAround(at_b);
+  } while (at_a != first_at_a && at_b != first_at_b);
   return {kNone, 0};
 }
 
@@ -73,16 +77,28 @@ void ConstrainedTriangulation::RemoveSegment(VertexIndex a, VertexIndex b) {
   EndFlips();
 }
 
+// The end that the search begins at is the one where it ends sooner, as in FindEdge.
 bool ConstrainedTriangulation::FindCrossed(VertexIndex a, VertexIndex b) {
   crossed_.clear();
-  const Point2 &from = points_[a], &to = points_[b];
-  const Corner first = Around(a);
-  Corner c = first;
-  while (IsInfinite(c.simplex) || Orientation(from, to, points_[NextVertex(c)]) >= 0 ||
-         Orientation(from, to, points_[PreviousVertex(c)]) <= 0) {
+  const auto leaves_through = [&](Corner c, VertexIndex to) {
+    if (IsInfinite(c.simplex)) return false;
+    const Point2& from = points_[triangles_[c.simplex].v[c.index]];
+    return Orientation(from, points_[to], points_[NextVertex(c)]) < 0 &&
+           Orientation(from, points_[to], points_[PreviousVertex(c)]) > 0;
+  };
+  const Corner first_at_a = Around(a), first_at_b = Around(b);
+  Corner c = first_at_a, at_b = first_at_b;
+  while (!leaves_through(c, b)) {
+    if (leaves_through(at_b, a)) {
+      std::swap(a, b);
+      c = at_b;
+      break;
+    }
     c = NextAround(c);
-    if (c == first) return false;  // a vertex is on the segment
+    at_b = NextAround(at_b);
+    if (c == first_at_a || at_b == first_at_b) return false;  // a vertex is on the segment
   }
+  const Point2 &from = points_[a], &to = points_[b];
   while (true) {
     if (IsSegment(c)) return false;
     crossed_.emplace_back(NextVertex(c), PreviousVertex(c));

@@ -10,7 +10,8 @@
 // but ends. Sides of the box may be segments.
 //
 // Thread-compatible. Insert and Remove cost O(degree) with a good hint; a segment, the edges that
-// it crosses, in most cases. Memory is that of the Delaunay triangulation and a byte a triangle.
+// it crosses, in most cases, and the lesser degree of its ends. Memory is that of the Delaunay
+// triangulation and a byte a triangle.
 #ifndef DYNMESH_CORE_DELAUNAY_CONSTRAINED_TRIANGULATION_H_
 #define DYNMESH_CORE_DELAUNAY_CONSTRAINED_TRIANGULATION_H_
 
@@ -79,7 +80,7 @@ class ConstrainedTriangulation : public DelaunayTriangulation {
   bool Crosses(VertexIndex a, VertexIndex b, const Edge& edge) const;
   void FlipCrossed(VertexIndex a, VertexIndex b);
   void FillHoleByEars(const geometry::Point2& removed);
-  // Flips edges until all but segments are locally Delaunay, from those in stack_.
+  // Flips edges until all but segments are locally Delaunay, from those in suspects_.
   void Legalize();
   void Flip(Corner c);
 

@@ -109,7 +109,7 @@ Mesh DiffBuilder<D>::Begin(Source& mesher, const FeatureTable<D>& features, Step
   });
   FillTriangulation(elements, missing, steps);
   if (triangulation_.is_full()) return {};
-  if (!steps.stopped()) ConstrainTriangulation(elements);
+  ConstrainTriangulation(elements, steps);
   for (std::span<const VertexIndex> rest = all; !rest.empty() && !steps.Stop(Steps::kBetween);) {
     const std::size_t count = std::min(rest.size(), Steps::kBetween);
     names_.AddAll(rest.first(count),
@@ -172,10 +172,12 @@ void DiffBuilder<D>::FillTriangulation(const Elements& elements, std::vector<Ver
 }
 
 template <int D>
-void DiffBuilder<D>::ConstrainTriangulation(const Elements& elements) {
+void DiffBuilder<D>::ConstrainTriangulation(const Elements& elements, Steps& steps) {
   if constexpr (D == 2) {
-    if (!is_constrained_) return;
-    elements.ForEachSubsegment([&](const Subsegment& s) { triangulation_.AddSegment(s.a, s.b); });
+    if (!is_constrained_ || steps.stopped()) return;
+    elements.ForEachSubsegment([&](const Subsegment& s) {
+      if (!steps.Stop()) triangulation_.AddSegment(s.a, s.b);
+    });
   }
 }
 

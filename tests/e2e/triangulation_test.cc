@@ -37,7 +37,7 @@ TEST_F(TriangulationEndToEnd, IsTheLibrarysAfterEveryEdit) {
     if (!ours.ok()) continue;
     ++applied;
     EXPECT_EQ(theirs->diff.hash, ours->hash);
-    ExpectSameRows(theirs->diff, *ours);
+    test::ExpectSameRows(theirs->diff, *ours);
   }
   EXPECT_GT(applied, 5);
   Mesh snapshot = *client_->GetSnapshot("t"), whole = mirror->Snapshot();

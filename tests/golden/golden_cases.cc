@@ -32,9 +32,11 @@ struct Asking {
   Criterion criterion = Criterion::kEdge;
   double max_edge = 0;
   double min_dihedral = 0;
+  MeshKind kind = MeshKind::kDelaunay;
 };
 
 std::string NameOf(const Asking& asking) {
+  if (asking.kind == MeshKind::kTriangulation) return "_triangulation";
   char text[40];
   std::snprintf(text, sizeof text, "%s_rho%.4g%s", asking.max_edge > 0 ? "_hmax" : "",
                 asking.quality, asking.criterion == Criterion::kThesis ? "_thesis" : "");
@@ -51,6 +53,7 @@ MeshOptions OptionsOf(int dimension, const Asking& asking) {
   options.criterion = asking.criterion;
   options.max_edge = asking.max_edge;
   options.min_dihedral = asking.min_dihedral;
+  options.kind = asking.kind;
   return options;
 }
 
@@ -275,6 +278,9 @@ std::vector<GoldenCase> MakeCases() {
     cases.push_back(WorkloadCase(d, 60, {kSqrt2, Criterion::kThesis}));
   }
   cases.push_back(WorkloadCase(kSegmentsTurned, 60, {kSqrt2, Criterion::kEdge, 0.05}));
+  for (const Distribution d : {kUniform, kGrid, kDiagonals, kSegmentsTurned, kWedges}) {
+    cases.push_back(WorkloadCase(d, 60, {.quality = kSqrt2, .kind = MeshKind::kTriangulation}));
+  }
   for (const Distribution d : kSpaceDistributions) {
     const GoldenCase golden = WorkloadCase(d, 40, {2.0});
     cases.push_back(d == kSkewGridEdges ? BluntCase(golden) : golden);

@@ -69,8 +69,8 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
         options: `dimension`: 2 or 3. `kind`: "delaunay"; "quadtree" for a size-conforming
             quadtree (octree), which has one vertex for each leaf, at its centre; or in 2D
             "triangulation" for the constrained Delaunay triangulation of points and segments,
-            without Steiner points. Only "delaunay" has the next four options. `rho`: the largest circumradius / shortest edge. `criterion`:
-            "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
+            without Steiner points. Only "delaunay" has the next four options. `rho`: the largest
+            circumradius / shortest edge. `criterion`: "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
             `min_dihedral`: in 3D, tetrahedra with a dihedral angle below it, in degrees, are
             removed where Steiner points can do so; 0 leaves slivers. Default: 10, in 2D 0.
             `max_vertices`: an edit that would exceed it raises `LimitExceeded`.

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <exception>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -23,6 +24,8 @@ class Helpers {
       for (int i = 0; i < most; ++i) threads_.emplace_back(work);
     } catch (const std::system_error&) {
       // This thread does the work.
+    } catch (const std::bad_alloc&) {
+      // The same; those that have begun are joined.
     }
   }
   ~Helpers() {

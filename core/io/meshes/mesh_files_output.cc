@@ -81,7 +81,8 @@ void WriteNodes(const IndexedMesh& mesh, const MeshFileOptions& options, FileWri
     }
   }
   if (options.is_triangulation) out << "# dynmesh " << kTriangulationNote << '\n';
-  if (options.rho > 0 && !options.is_triangulation) out << "# dynmesh " << kRhoNote << options.rho << '\n';
+  if (options.rho > 0 && !options.is_triangulation)
+    out << "# dynmesh " << kRhoNote << options.rho << '\n';
   if (options.min_dihedral > 0) {
     out << "# dynmesh " << kDihedralNote << options.min_dihedral << '\n';
   }

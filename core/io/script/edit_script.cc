@@ -118,6 +118,7 @@ class ScriptParser {
     if (key == "kind") {
       absl::StatusOr<MeshKind> kind = MeshKindOf(value);
       if (!kind.ok()) return Error(View(kind.status().message()));
+      if (script_.kind) return Error("quality=none stands beside a kind: give one of them");
       script_.kind = *kind;
       return absl::OkStatus();
     }
@@ -128,6 +129,7 @@ class ScriptParser {
                    "given as rho, found ",
                    Quoted(value)));
       }
+      if (script_.kind) return Error("quality=none stands beside a kind: give one of them");
       script_.kind = MeshKind::kTriangulation;
       return absl::OkStatus();
     }

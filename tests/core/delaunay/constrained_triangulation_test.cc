@@ -270,6 +270,27 @@ TEST(ConstrainedTriangulation, ASegmentCrossesThousandsOfEdges) {
   EXPECT_EQ(TrianglesOf(mesh), before);
 }
 
+// Each is found from its other end: from the hub, this would take a minute.
+TEST(ConstrainedTriangulation, AHubHasManySegments) {
+  ConstrainedTriangulation mesh = EmptyConstrainedBox();
+  constexpr VertexIndex kCount = 100'000, kHub = 4;
+  const Point2 middle = {{(kLow[0] + kHigh[0]) / 2, (kLow[1] + kHigh[1]) / 2}};
+  const double radius = (kHigh[0] - kLow[0]) / 4;
+  mesh.Insert(kHub, middle, 0);
+  for (VertexIndex i = 0; i < kCount; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCount;
+    mesh.Insert(kHub + 1 + i,
+                {{middle[0] + radius * std::cos(angle), middle[1] + radius * std::sin(angle)}},
+                kHub + i);
+  }
+  for (VertexIndex i = 1; i <= kCount; ++i) ASSERT_TRUE(mesh.AddSegment(kHub, kHub + i));
+  std::string why;
+  ASSERT_TRUE(mesh.Check(&why)) << why;
+  for (VertexIndex i = 1; i <= kCount; ++i) mesh.RemoveSegment(kHub, kHub + i);
+  EXPECT_EQ(mesh.segment_count(), 0u);
+  ASSERT_TRUE(mesh.Check(&why)) << why;
+}
+
 TEST(ConstrainedTriangulation, AVertexOfLargeDegreeGoesBesideASegment) {
   ConstrainedTriangulation mesh = EmptyConstrainedBox();
   constexpr VertexIndex kCount = 3000;

@@ -85,7 +85,7 @@ QualityReport Naive(const Mesh& mesh, const MeshOptions& options) {
       for (const double angle : q.angles_deg) Count(angle, report.dihedral_histogram);
       report.share_below_5_deg += q.min_angle_deg < 5;
       report.share_below_10_deg += q.min_angle_deg < 10;
-      report.below_dihedral += verdicts[i] == SimplexVerdict::kBelowDihedral;
+      report.below_dihedral += q.min_angle_deg < options.min_dihedral;  // also of those over rho
       WorstTetrahedron worst = {q.min_angle_deg, i, {0, 0, 0}};
       for (std::size_t k = 0; k < 12; ++k) worst.centroid[k % 3] += c[k] / 4;
       report.worst_dihedral.push_back(worst);
@@ -159,11 +159,10 @@ TEST(MeasureQuality, OfTetrahedraIsThatOfEach) {
         options.dimension = 3;
         options.quality = rho;
         options.min_dihedral = bound;
-        QualityReport naive = Naive<3>(scene.mesh(), options);
+        const QualityReport naive = Naive<3>(scene.mesh(), options);
         const QualityReport report = MeasureQuality(scene.mesh(), options);
-        naive.below_dihedral = report.below_dihedral;  // counts those over rho, too
         ExpectEqual(report, naive);
-        EXPECT_TRUE(bound > 0 || report.below_dihedral == 0);
+        EXPECT_EQ(report.below_dihedral > 0, bound > 0);
       }
     }
   }

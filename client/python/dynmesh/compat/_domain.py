@@ -28,8 +28,10 @@ _ROUNDS = 60
 # finer than a target allows. The largest triangles of 192 meshes, least angles of 5 to 30 degrees, then had
 # 0.97 of the bound, the largest tetrahedra of 54 meshes 0.99; one in 30 of the latter needed further balls.
 _SLACK = {2: 1.3, 3: 1.9}
-#: How near a point must be to a segment to cut it, in units of the extent.
+#: How near a point must be to a segment to cut it, in units of the extent; and at least in roundings of
+#: the mesh's largest coordinate, as a mesh has no distances below about a thousand.
 _ON_SEGMENT = 1e-12
+_ROUNDINGS = 4096
 
 
 def array_of(value: Any, name: str, width: int, dtype: Any = np.float64) -> Array:
@@ -144,7 +146,10 @@ class Domain:
         try:
             return self._apply(pieces, owners)
         except FailedPrecondition as error:
-            cut, number = _topology.pieces_between(self._given, pieces, _ON_SEGMENT)
+            extent = float(np.ptp(self._given, axis=0).max())
+            largest = float(np.abs(self._given).max()) + 4 * extent  # of the mesh, which reaches farther
+            near = max(_ON_SEGMENT * extent, _ROUNDINGS * float(np.spacing(largest)))
+            cut, number = _topology.pieces_between(self._given, pieces, near)
             cut, of = self._segments(cut)
             if len(cut) == len(pieces) and (cut == pieces).all():
                 raise
@@ -219,7 +224,7 @@ class Domain:
         else:
             starts = np.flatnonzero((near < 0).any(axis=1))
             if len(holes):
-                starts = np.concatenate([starts, self._at(holes, compact, "holes")])
+                starts = np.concatenate([starts, self._at(holes, compact)])
             kept = ~_topology.flood(near, blocked, starts)
         if not kept.any():
             raise ValueError(
@@ -227,8 +232,8 @@ class Domain:
                 "all that they enclose; close the outline, or enclose the convex hull (in 2D the switch c)")
         regions = np.full(len(cells), -1)
         if len(seeds):
-            for number, start in enumerate(self._at(seeds, compact, "regions")):
-                if kept[start]:
+            for number, start in enumerate(self._at(seeds, compact, dropped=-1)):
+                if start >= 0 and kept[start]:
                     regions[_topology.flood(near, blocked | ~np.where(near >= 0, kept[near], False),
                                             np.array([start]))] = number
         # Vertices: those of the input, then the other ones that are left.
@@ -251,12 +256,11 @@ class Domain:
                    numbers[facets[left]], self._owners[owner_ids[left]], owner_ids[left], regions[kept],
                    self.inputs, by_slot, mesh)
 
-    def _at(self, places: Array, compact: Any, name: str) -> Array:
+    def _at(self, places: Array, compact: Any, dropped: Optional[int] = None) -> Array:
+        """The cell at each place; those outside of the mesh are `dropped`, if given, or left out."""
         slots = self.mesh.locate(places)
-        if (slots < 0).any():
-            raise ValueError(f"{name}: {places[slots < 0][0].tolist()} is far outside of the vertices")
-        numbers: Array = compact.cell_numbers[slots]
-        return numbers
+        numbers: Array = np.where(slots >= 0, compact.cell_numbers[slots], -1 if dropped is None else dropped)
+        return numbers if dropped is not None else numbers[slots >= 0]
 
     def refine(self, cut_of: Callable[[], Cut], bounds: Bounds) -> Cut:
         """Makes cells finer until none is larger than its bound.

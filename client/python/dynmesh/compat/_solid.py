@@ -21,6 +21,7 @@ LEAST_RATIO = 1.4
 CURED = 10.0
 _WITHOUT_EFFECT = "CVQzTOJNEFGKBILD"
 _REFUSED = {
+    "j": "vertices that no facet has are vertices of the mesh: leave them out of the input",
     "r": "a mesh is not refined here: give the facets, and a smaller volume",
     "Y": "facets get vertices: there are no borders that stay whole in three dimensions",
     "c": "the convex hull is not enclosed: give its facets",
@@ -49,7 +50,6 @@ class SolidSwitches:
     order: int = 1  # o2
     edges: bool = False  # e
     neighbours: bool = False  # n
-    drops_unused: bool = False  # j
     adds_points: bool = False  # i
 
 
@@ -109,8 +109,6 @@ def parse(switches: str) -> SolidSwitches:
             result.neighbours = True
             while switches[at:at + 1] == "n":
                 at += 1
-        elif letter == "j":
-            result.drops_unused = True
         elif letter == "i":
             result.adds_points = True
         elif letter == "f":

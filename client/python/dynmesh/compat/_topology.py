@@ -169,12 +169,11 @@ def hull_of(points: Array) -> Array:
     return np.stack([ring, np.roll(ring, -1)], axis=1)
 
 
-def pieces_between(points: Array, segments: Array, tolerance: float) -> tuple[Array, Array]:
+def pieces_between(points: Array, segments: Array, near: float) -> tuple[Array, Array]:
     """Segments cut at the points that lie on them; of each piece the number of its segment.
 
-    A point lies on a segment if it is within `tolerance` times the extent of all points.
+    A point lies on a segment if it is within the distance `near`.
     """
-    near = tolerance * float(np.ptp(points, axis=0).max())
     order = np.argsort(points[:, 0], kind="stable")
     sorted_x = points[order, 0]
     rows, owners = [], []

@@ -141,8 +141,8 @@ def triangulate(tri: Mapping[str, Any], opts: str = "") -> dict[str, Any]:
             0 being none.
         opts: switches. p: segments, holes and regions count. q, q30: least angle, 20 by default, at most
             30. a0.1: largest area; a: those of `regions`, with r of `triangle_max_area`. r: refines
-            `triangles`. c: the convex hull is enclosed. D: Delaunay, which meshes with q or a are anyway. Without q, a, D and s no new
-            vertices.
+            `triangles`. c: the convex hull is enclosed. D: Delaunay, which meshes with q or a are anyway.
+            Without q, a, D and s no new vertices.
             Y, YY: no new vertices on the border, on all segments. S100: an error if more new vertices are
             needed. A: `triangle_attributes` tell regions. e: edges. n: neighbours. o2: six nodes. j:
             vertices without a triangle are left out. B, P, N, E: no markers, segments, vertices, triangles.

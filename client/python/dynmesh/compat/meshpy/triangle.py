@@ -153,8 +153,6 @@ def build(mesh_info: MeshInfo, verbose: bool = False, refinement_func: Refinemen
         FailedPrecondition: the input is none that a mesh accepts, as segments that cross.
         LimitExceeded: areas that cannot be kept beside a border that may not be split.
     """
-    if not allow_volume_steiner:
-        raise Unsupported("allow_volume_steiner=False: a mesh has new vertices inside")
     if mesh_order not in (None, 1, 2):
         raise ValueError(f"mesh_order: 1 or 2, and got {mesh_order!r}")
     points, facets, point_markers, facet_markers = _description(mesh_info)
@@ -164,6 +162,9 @@ def build(mesh_info: MeshInfo, verbose: bool = False, refinement_func: Refinemen
     angle = (20.0 if min_angle is None else float(min_angle)) if quality_meshing else None
     is_refined = (quality_meshing or max_volume is not None or refinement_func is not None
                   or volume_constraints)
+    if is_refined and not allow_volume_steiner:
+        raise Unsupported("allow_volume_steiner=False: a mesh with bounds of angles or areas has new vertices "
+                          "inside; quality_meshing=False without areas has none")
     graph = Graph(points, facets, holes, regions, is_refined=is_refined, angle=angle,
                   angle_name="min_angle", area=max_volume,
                   has_region_areas=volume_constraints,
