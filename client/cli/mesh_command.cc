@@ -83,7 +83,7 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
   if (!report.found.ok()) summary.AddText("found", text::View(report.found.message()));
 }
 
-std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min_dihedral,
+std::string Summarise(const Mesh& mesh, const QualityReport& quality, const MeshOptions& options,
                       double build_seconds, const Input& input, bool json) {
   if (json) {
     JsonObject object;
@@ -108,6 +108,13 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
     return object.ToLine();
   }
   const bool in_space = mesh.dimension == 3;
+  const std::string over_rho =
+      options.kind == MeshKind::kTriangulation
+          ? ""
+          : absl::StrFormat(
+                "over rho           %d (%d exempt, %d of them by the termination guard%s)\n",
+                quality.over_rho, quality.exempt, quality.exempt_by_guard,
+                ByUnsplitText(quality.exempt_by_unsplit));
   return absl::StrFormat(
       "vertices           %d\n"
       "%-17s  %d\n"
@@ -115,17 +122,15 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
       "%s"
       "%-17s  %.2f to %.2f degrees\n"
       "worst radius-edge  %.6g\n"
-      "over rho           %d (%d exempt, %d of them by the termination guard%s)\n"
-      "%s"
+      "%s%s"
       "built in           %.3f s\n"
       "hash               %s\n",
       mesh.vertices.size(), SimplicesWord(mesh.dimension), mesh.simplex_count(),
       mesh.subsegments.size(),
       in_space ? absl::StrFormat("subfacets          %d\n", mesh.subfacets.size()) : "",
       AnglesWord(mesh.dimension), quality.min_angle_deg, quality.max_angle_deg,
-      quality.worst_radius_edge, quality.over_rho, quality.exempt, quality.exempt_by_guard,
-      ByUnsplitText(quality.exempt_by_unsplit),
-      BelowDihedralText(quality.below_dihedral, quality.exempt_dihedral, min_dihedral),
+      quality.worst_radius_edge, over_rho,
+      BelowDihedralText(quality.below_dihedral, quality.exempt_dihedral, options.min_dihedral),
       build_seconds, mesh.hash.ToHex());
 }
 
@@ -321,8 +326,7 @@ int Run(MeshCommand command) {
   if (const absl::Status& status = written; !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(Summarise(*mesh, quality.get(), options.min_dihedral, took.count(), *input,
-                            command.json))
+  return PrintOut(Summarise(*mesh, quality.get(), options, took.count(), *input, command.json))
              ? kExitDone
              : kExitFailed;
 }

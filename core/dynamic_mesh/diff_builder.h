@@ -122,7 +122,7 @@ class DiffBuilder {
   void UpdateNames(const Elements& elements);
   void FillTriangulation(const Elements& elements, std::vector<meshing::VertexIndex>& missing,
                          Steps& steps);
-  void ConstrainTriangulation(const Elements& elements);
+  void ConstrainTriangulation(const Elements& elements, Steps& steps);
   void UpdateTriangulation(const Source& mesher);
   void UpdateSubfacets(const Source& mesher, const FeatureTable<D>& features);
   void UpdateWalls(const Elements& elements, const FeatureTable<D>& features);
