@@ -199,7 +199,7 @@ class TraceFiles(unittest.TestCase):
             SCRIPT.replace(HEADER, HEADER + " kind=quadtree").replace("add segment 4 1 2\n", ""))
         done = run(self.folder, "--trace", "t.json")
         self.assertEqual((done.returncode, done.stdout), (2, ""))
-        self.assertIn("quadtrees", done.stderr)
+        self.assertIn("of kind delaunay: others have no trace", done.stderr)
 
 
 if __name__ == "__main__":

@@ -109,7 +109,7 @@ def test_forms_that_are_accepted(mesh):
     (dict(rho="big"), "rho: it is a number, and got 'big'"),
     (dict(maxedge=0.1), "maxedge: there is no such option.*max_edge"),
     (dict(dimension=2.0), "dimension: it is a whole number, 2 or 3"),
-    (dict(kind=7), "kind: it is 'delaunay' or 'quadtree'"),
+    (dict(kind=7), "kind: it is 'delaunay', 'quadtree' or 'triangulation'"),
     (dict(max_vertices=1e6), "max_vertices: it is a whole number"),
 ])
 def test_options(server, options, words):
