@@ -112,7 +112,7 @@ TEST(BuildMesh, BySvrRefusesWhatItDoesNotSupport) {
   expect(BuildMesh(features, options, BySvr()), "min_dihedral");
   options = OptionsIn(2);
   options.kind = MeshKind::kQuadtree;
-  expect(BuildMesh(features, options, BySvr()), "quadtrees");
+  expect(BuildMesh(features, options, BySvr()), "of kind delaunay only");
   // Bad input is judged as by the dynamic mesher.
   options = OptionsIn(2);
   EXPECT_EQ(GetErrorDetail(with(Feature::Point(4, 0.2, 0.2)).status())->reason,

@@ -63,6 +63,7 @@ TEST(OptionsCodec, AKindBringsItsDefaults) {
   const auto triangulation = DecodeOptions(proto, 100);
   ASSERT_TRUE(triangulation.ok()) << triangulation.status();
   EXPECT_EQ(triangulation->kind, MeshKind::kTriangulation);
+  back.Clear();
   EncodeOptions(*triangulation, &back);
   EXPECT_EQ(*DecodeOptions(back, 100), *triangulation);
   proto.set_kind(static_cast<v1::MeshKind>(7));
