@@ -99,6 +99,11 @@ if(TARGET dynmesh_cli AND TARGET dynmeshd)
   install(FILES ${pages}/dynmesh.bash RENAME dynmesh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT service)
   install_documents(service dynmesh LICENSE CHANGELOG.md deploy/RUNBOOK.md)
+  # Of the archives that are linked into `dynmesh` (link-archives).
+  foreach(package libabsl-dev libc-ares-dev libgrpc-dev libprotobuf-dev libre2-dev)
+    install(FILES /usr/share/doc/${package}/copyright RENAME copyright.${package}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dynmesh COMPONENT service OPTIONAL)
+  endforeach()
   configure_file(${CMAKE_CURRENT_LIST_DIR}/install_service.cmake.in install_service.cmake @ONLY)
   install(SCRIPT ${CMAKE_CURRENT_BINARY_DIR}/install_service.cmake COMPONENT service)
 endif()
