@@ -160,10 +160,15 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
       mesh.vertices.size(), coarsest, finest, build_seconds, mesh.hash.ToHex());
 }
 
-// Of a surface file that is too fine as it was mended, or as it is: the least tolerance of mending
-// that leaves something else.
-std::optional<double> LargerTolerance(const MeshCommand& command, const Input& input,
-                                      const absl::Status& refusal) {
+// A surface file, mended with the least larger tolerance that changes it. Of one that was too fine
+// as it was mended, or as it is.
+struct MendedMore {
+  double tolerance;
+  Input input;
+};
+
+std::optional<MendedMore> MendMore(const MeshCommand& command, const Input& input,
+                                   const absl::Status& refusal) {
   const io::Format* const format = io::FindFormat(command.input);
   if (!input.preparation || format == nullptr || !format->Is(io::kSurface)) return std::nullopt;
   // What was asked for may be the reason as well; and features of sizes are none of the file.
@@ -177,20 +182,22 @@ std::optional<double> LargerTolerance(const MeshCommand& command, const Input& i
   preparation::Report report = *input.preparation;
   while (const auto larger = preparation::ToleranceIfTooFine(report, refusal)) {
     reading.least_tolerance = larger;
-    const absl::StatusOr<Input> again = LoadInput(command.input, reading);
+    absl::StatusOr<Input> again = LoadInput(command.input, reading);
     if (!again.ok() || !again->preparation || !again->preparation->is_mended) break;
-    if (again->features != input.features) return larger;
+    if (again->features != input.features) return MendedMore{*larger, *std::move(again)};
     report = *again->preparation;
   }
   return std::nullopt;
 }
 
-int Run(MeshCommand command) {
+// `loaded`: the input, if it has been read.
+int Run(MeshCommand command, std::optional<Input> loaded) {
   command.selection.inside |= command.reading.refine;
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   ProgressBar bar(ErrorIsTerminal());
   bar.Show(0, 0, Concat("reading ", command.input));
-  absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
+  absl::StatusOr<Input> input =
+      loaded ? *std::move(loaded) : LoadInput(command.input, command.reading);
   bar.End();
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
@@ -268,13 +275,13 @@ int Run(MeshCommand command) {
   bar.End();
   if (!mesh.ok()) {
     packed.Unpack(input->features);
-    const std::optional<double> larger =
-        is_remote ? std::nullopt : LargerTolerance(command, *input, mesh.status());
-    if (larger) {
+    std::optional<MendedMore> more =
+        is_remote ? std::nullopt : MendMore(command, *input, mesh.status());
+    if (more) {
       PrintWarning(Concat(command.input, ": ", text::View(mesh.status().message()),
-                          "; tried again with --mending-tolerance ", *larger));
-      command.reading.least_tolerance = larger;
-      return Run(std::move(command));
+                          "; tried again with --mending-tolerance ", more->tolerance));
+      command.reading.least_tolerance = more->tolerance;
+      return Run(std::move(command), std::move(more->input));
     }
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
     if (absl::IsResourceExhausted(named)) {
@@ -337,7 +344,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   auto command = std::make_shared<MeshCommand>();
   command->remote = std::move(remote);
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
-                                   [command] { return Run(*command); });
+                                   [command] { return Run(*command, std::nullopt); });
   sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   AddInputFlags(*sub, command->reading);
   AddMapFlags(*sub, command->reading);

@@ -244,9 +244,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
   output.files.is_part = labels.is_part;
   output.files.threads = ThreadsOf(flags);
   if (indexed->has_plain_ids) output.files.hash = mesh.hash;
-  output.files.rho = options.quality;
-  output.files.is_triangulation = options.kind == MeshKind::kTriangulation;
-  output.files.min_dihedral = options.min_dihedral;
+  io::NoteOptions(options, output.files);
   output.files.holes = labels.holes;
   for (const std::string& path : flags.paths) {
     if (auto status = io::WriteMeshFile(*indexed, output, path); !status.ok()) return status;

@@ -95,9 +95,9 @@ absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::
   output.files.neighbours = choices.neighbours;
   output.files.voronoi = choices.voronoi;
   output.files.is_part = choices.part;
-  output.files.rho = output.picture.rho = options.quality;
-  output.files.is_triangulation = options.kind == MeshKind::kTriangulation;
-  output.files.min_dihedral = output.picture.min_dihedral = options.min_dihedral;
+  io::NoteOptions(options, output.files);
+  output.picture.rho = options.quality;
+  output.picture.min_dihedral = options.min_dihedral;
   output.picture.crop = options.box;
   if (options.kind == MeshKind::kQuadtree) {
     output.picture.fill = io::SvgOptions::Fill::kSize;

@@ -27,6 +27,12 @@ absl::Status CheckMeshOutput(const std::string& path) {
   return absl::OkStatus();
 }
 
+void NoteOptions(const MeshOptions& options, MeshFileOptions& files) {
+  files.is_triangulation = options.kind == MeshKind::kTriangulation;
+  files.rho = options.quality;
+  files.min_dihedral = options.min_dihedral;
+}
+
 absl::Status CheckMeshOutputOf(const MeshOptions& options, const std::string& path) {
   const Format* const format = FindFormat(path);
   if (format == nullptr) return CheckMeshOutput(path);

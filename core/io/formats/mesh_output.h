@@ -29,6 +29,9 @@ struct MeshOutput {
   const IndexedMesh* shown = nullptr;  // in a picture, if not the mesh: it is of order 1
 };
 
+// Lets files say what a mesh of `options` was made for.
+void NoteOptions(const MeshOptions& options, MeshFileOptions& files);
+
 // INVALID_ARGUMENT unless a mesh or leaves are written with this extension; UNIMPLEMENTED for a
 // .png.
 absl::Status CheckMeshOutput(const std::string& path);

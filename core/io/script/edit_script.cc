@@ -115,22 +115,18 @@ class ScriptParser {
       script_.criterion = *criterion;
       return absl::OkStatus();
     }
-    if (key == "kind") {
-      absl::StatusOr<MeshKind> kind = MeshKindOf(value);
+    if (key == "quality" && value != "none") {
+      return Error(
+          Concat("quality can only be none, which is kind=triangulation; a bound is "
+                 "given as rho, found ",
+                 Quoted(value)));
+    }
+    if (key == "kind" || key == "quality") {
+      const absl::StatusOr<MeshKind> kind =
+          key == "kind" ? MeshKindOf(value) : MeshKind::kTriangulation;
       if (!kind.ok()) return Error(View(kind.status().message()));
       if (script_.kind) return Error("quality=none stands beside a kind: give one of them");
       script_.kind = *kind;
-      return absl::OkStatus();
-    }
-    if (key == "quality") {
-      if (value != "none") {
-        return Error(
-            Concat("quality can only be none, which is kind=triangulation; a bound is "
-                   "given as rho, found ",
-                   Quoted(value)));
-      }
-      if (script_.kind) return Error("quality=none stands beside a kind: give one of them");
-      script_.kind = MeshKind::kTriangulation;
       return absl::OkStatus();
     }
     if (key == "hmax") {

@@ -34,6 +34,14 @@ _ON_SEGMENT = 1e-12
 _ROUNDINGS = 4096
 
 
+def bounds_of(cut: "Cut", everywhere: Optional[float], of_regions: Optional[Array] = None) -> Array:
+    """For each cell the largest measure: that of all cells, and that of its region, if it is above 0."""
+    bounds = np.full(len(cut.cells), np.inf if everywhere is None else everywhere)
+    if of_regions is not None and len(of_regions):
+        bounds = np.minimum(bounds, np.append(np.where(of_regions > 0, of_regions, np.inf), np.inf)[cut.regions])
+    return bounds
+
+
 def array_of(value: Any, name: str, width: int, dtype: Any = np.float64) -> Array:
     """A two-dimensional array of rows; raises ValueError with the name and the shape that is needed."""
     rows = np.asarray(value if value is not None else [])

@@ -9,7 +9,7 @@ import numpy as np
 
 from dynmesh._types import Array
 from dynmesh.compat import _topology
-from dynmesh.compat._domain import Cut, Domain, check_count, max_edge_of, rho_of, target_of
+from dynmesh.compat._domain import Cut, Domain, bounds_of, check_count, max_edge_of, rho_of, target_of
 from dynmesh.compat._values import interpolate
 from dynmesh.errors import FailedPrecondition, InvalidArgument
 
@@ -127,10 +127,7 @@ class Planar:
 
     def _bounds(self, cut: Cut) -> Array:
         graph = self.graph
-        bounds = np.full(len(cut.cells), np.inf if graph.area is None else graph.area)
-        if graph.has_region_areas and len(graph.regions):
-            areas = np.append(np.where(graph.regions[:, 3] > 0, graph.regions[:, 3], np.inf), np.inf)
-            bounds = np.minimum(bounds, areas[cut.regions])
+        bounds = bounds_of(cut, graph.area, graph.regions[:, 3] if graph.has_region_areas else None)
         if graph.triangle_areas is not None and self._grid is not None:
             centres = cut.points[cut.cells].mean(axis=1)
             areas = np.where(graph.triangle_areas > 0, graph.triangle_areas, np.inf)

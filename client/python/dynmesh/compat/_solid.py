@@ -11,7 +11,7 @@ import numpy as np
 
 from dynmesh._types import Array
 from dynmesh.compat import _topology
-from dynmesh.compat._domain import Cut, Domain, check_count, max_edge_of
+from dynmesh.compat._domain import Cut, Domain, bounds_of, check_count, max_edge_of
 from dynmesh.compat._errors import Unsupported
 from dynmesh.errors import FailedPrecondition, InvalidArgument
 
@@ -173,11 +173,7 @@ class Solid:
 
     def _bounds(self, cut: Cut) -> Array:
         body = self.body
-        bounds = np.full(len(cut.cells), np.inf if body.volume is None else body.volume)
-        if body.has_region_volumes and len(body.regions):
-            volumes = np.append(np.where(body.regions[:, 4] > 0, body.regions[:, 4], np.inf), np.inf)
-            bounds = np.minimum(bounds, volumes[cut.regions])
-        return bounds
+        return bounds_of(cut, body.volume, body.regions[:, 4] if body.has_region_volumes else None)
 
     def attributes(self) -> Array:
         """Of each tetrahedron that of its region; parts without one have numbers above all of these."""
