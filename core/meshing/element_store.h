@@ -44,6 +44,17 @@ class ElementStore {
     return v;
   }
   SubsegmentIndex NewSubsegment() { return New(subsegments_, free_subsegments_); }
+  // The whole segment between two vertices. Its direction does not depend on the client's, so that
+  // rounding and hashes agree.
+  SubsegmentIndex NewSegment(VertexIndex a, VertexIndex b, FeatureSlot feature) {
+    const SubsegmentIndex s = NewSubsegment();
+    Subsegment& sub = subsegments_[s];
+    const bool forward = vertices_[a].p < vertices_[b].p;
+    sub.a = sub.whole_a = forward ? a : b;
+    sub.b = sub.whole_b = forward ? b : a;
+    sub.feature = feature;
+    return s;
+  }
 
   // The origin of a counterpart, else one without a vertex.
   const Origin& origin(VertexIndex v) const {

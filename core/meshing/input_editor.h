@@ -149,14 +149,9 @@ SubsegmentIndex InputEditor<D, E>::AddSegment(VertexIndex a, VertexIndex b, Feat
     complex_.border_only = false;
     IndexFeatures();
   }
-  const SubsegmentIndex s = complex_.elements.NewSubsegment();
+  const SubsegmentIndex s = complex_.elements.NewSegment(a, b, feature);
   Subsegment<D>& sub = complex_.subsegment(s);
-  // The direction does not depend on the client's, so that rounding and hashes agree.
-  const bool forward = complex_.vertex(a).p < complex_.vertex(b).p;
-  sub.a = sub.whole_a = forward ? a : b;
-  sub.b = sub.whole_b = forward ? b : a;
   sub.split_rule = SplitRule::Whole(shape, LengthOf(complex_.vertex(a).p, complex_.vertex(b).p));
-  sub.feature = feature;
   // No feature is near the sides of the domain (DomainBox).
   if (feature != 0) AddFeature(FeatureOf(sub));
   if (feature == 0 || IsUnsplit(sub)) {

@@ -32,19 +32,12 @@ class PlainInput {
     return v;
   }
   void RemovePoint(VertexIndex v) {
-    tree_.Remove(
-        v, elements_.vertex(v).p, [](std::uint32_t, std::uint32_t) { return true; },
-        [](std::uint32_t, std::uint32_t) {});
+    tree_.Remove(v, elements_.vertex(v).p);
     elements_.SetPresent(v, false);
     elements_.ReleaseVertex(v);
   }
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature) {
-    const SubsegmentIndex s = elements_.NewSubsegment();
-    Subsegment<D>& sub = elements_.subsegment(s);
-    const bool forward = elements_.vertex(a).p < elements_.vertex(b).p;
-    sub.a = sub.whole_a = forward ? a : b;
-    sub.b = sub.whole_b = forward ? b : a;
-    sub.feature = feature;
+    const SubsegmentIndex s = elements_.NewSegment(a, b, feature);
     SetInMesh(s, true);
     return s;
   }

@@ -169,9 +169,7 @@ void Publisher<D, E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   complex_.SetPresent(v, false);
   notifier_.OfVertex(v, false, at);
   if (IsOfCure(vertex)) {
-    complex_.cured.Remove(
-        v, vertex.p, [](std::uint32_t, std::uint32_t) { return true; },
-        [](std::uint32_t, std::uint32_t) {});
+    complex_.cured.Remove(v, vertex.p);
   } else if constexpr (kTraced) {
     complex_.tree.Remove(
         v, vertex.p,

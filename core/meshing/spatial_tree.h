@@ -73,6 +73,12 @@ class SpatialTree {
     }
   }
 
+  // The same where nothing depends on the nodes.
+  void Remove(std::uint32_t id, const Point& p) {
+    Remove(
+        id, p, [](NodeIndex, NodeIndex) { return true; }, [](NodeIndex, NodeIndex) {});
+  }
+
   // Calls visit(id, point, squared distance) for each point in the ball; visit may shrink
   // `radius2`.
   template <class Visit>

@@ -52,12 +52,8 @@ VertexIndex PlcInput<D>::AddPoint(const Point& p, meshing::FeatureSlot feature) 
 template <int D>
 SubsegmentIndex PlcInput<D>::AddSegment(VertexIndex a, VertexIndex b, meshing::FeatureSlot feature,
                                         const meshing::SegmentShape& shape) {
-  const SubsegmentIndex s = complex_.elements.NewSubsegment();
+  const SubsegmentIndex s = complex_.elements.NewSegment(a, b, feature);
   Subsegment& sub = complex_.subsegment(s);
-  const bool forward = position(a) < position(b);
-  sub.a = sub.whole_a = forward ? a : b;
-  sub.b = sub.whole_b = forward ? b : a;
-  sub.feature = feature;
   sub.split_rule = meshing::SplitRule::Whole(shape, meshing::LengthOf(position(a), position(b)));
   if (sub.split_rule.kind != meshing::SplitRule::Kind::kHalve) has_wedges_ = true;
   sub.exposed = 0;
