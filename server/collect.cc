@@ -228,6 +228,14 @@ void WriteConnections(const ConnectionTable::Counts& counts, MetricsText& out) {
              static_cast<double>(counts.wasted));
 }
 
+void WriteHttp(const HttpServer::Counts& counts, MetricsText& out) {
+  out.Single("dynmesh_http_connections", "gauge", "Connections of HTTP open.",
+             static_cast<double>(counts.open));
+  out.Single("dynmesh_http_refused_total", "counter",
+             "Connections of HTTP answered 503 or closed, as there were too many.",
+             static_cast<double>(counts.refused));
+}
+
 void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));

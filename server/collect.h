@@ -9,6 +9,7 @@
 #include "server/access/tls.h"
 #include "server/base/memory_guard.h"
 #include "server/cluster/lease_keeper.h"
+#include "server/http/http_server.h"
 #include "server/journal/journal.h"
 #include "server/meshes/mesh_registry.h"
 #include "server/metrics/metrics.h"
@@ -26,6 +27,7 @@ void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& ou
 void WriteStreams(const ClientQuotas& streams, MetricsText& out);
 // Connections, and what their addresses' limits did.
 void WriteConnections(const ConnectionTable::Counts& counts, MetricsText& out);
+void WriteHttp(const HttpServer::Counts& counts, MetricsText& out);
 // Figures from /proc, and the version of dynmeshd.
 void WriteProcess(MetricsText& out);
 

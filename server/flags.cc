@@ -178,6 +178,9 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
                           "resident bytes above which nothing grows; 0: nine tenths of "
                           "the available memory");
   AddCount<std::uint64_t>(app, "max-connections", c.max_connections, 1, "connections open");
+  AddCount<std::uint64_t>(app, "max-http-connections", c.max_http_connections, 1,
+                          "connections of HTTP open, each with a thread; others are answered 503",
+                          10'000);
   AddAddressLimits(app, c);
   AddCount(app, "max-streams-per-connection", c.max_streams_per_connection, 1,
            "calls open on one connection");
@@ -319,6 +322,10 @@ void AddFlags(CLI::App& app, Flags& f) {
   app.add_option(
          "--metrics", c.metrics,
          "[HOST:]PORT of metrics and health over HTTP: /metrics /healthz /readyz; default: none")
+      ->type_name("ADDRESS");
+  app.add_option("--http", c.http,
+                 "[HOST:]PORT of the service over HTTP, for browsers and curl (docs/http.md); "
+                 "default: none")
       ->type_name("ADDRESS");
   app.add_option("--port-file", f.port_file, "write the port here when it serves");
   app.add_option_function<std::string>(

@@ -29,6 +29,7 @@
 #include "server/calls/unknown_methods.h"
 #include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
+#include "server/http/http_door.h"
 #include "server/journal_watch.h"
 #include "server/metrics/call_observer.h"
 #include "server/metrics/metrics_http.h"
@@ -171,6 +172,7 @@ struct Server::Impl {
   // A Listen that fails has opened the port already.
   ~Impl() {
     if (acceptor != nullptr) acceptor->Stop();
+    if (door != nullptr) door->Stop();
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
   }
 
@@ -207,9 +209,30 @@ struct Server::Impl {
       return absl::UnavailableError(
           absl::StrCat("cannot listen on ", config.listen, ": is the port taken?"));
     }
+    if (absl::Status status = ListenForHttp(); !status.ok()) return status;
     SetHealth(false);
     if (sink != nullptr) acceptor->Start(std::move(sink), config.keepalive_timeout);
     Log(LogLevel::kInfo, "listening", {{"address", Address()}, {"version", kVersion}});
+    return absl::OkStatus();
+  }
+
+  absl::Status ListenForHttp() {
+    if (config.http.empty()) return absl::OkStatus();
+    HttpDoor::Options options;
+    options.listen = config.http;
+    options.limits.most_connections = config.max_http_connections;
+    options.limits.most_request_bytes = static_cast<std::size_t>(config.max_message_bytes);
+    options.limits.receive_limit =
+        std::chrono::milliseconds(Milliseconds(config.handshake_timeout));
+    options.limits.send_limit = std::chrono::milliseconds(Milliseconds(config.send_timeout));
+    options.has_tokens = !config.tokens_file.empty();
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(-1);  // answers are the service's own
+    auto listening = HttpDoor::Listen(options, server->InProcessChannel(arguments));
+    if (!listening.ok()) return listening.status();
+    door = *std::move(listening);
+    open_door = door.get();
+    Log(LogLevel::kInfo, "http_listen", {{"address", door->address()}});
     return absl::OkStatus();
   }
 
@@ -312,6 +335,7 @@ struct Server::Impl {
       if (Acceptor* const now = listener; now != nullptr) {
         WriteConnections(now->counts(), out);
       }
+      if (HttpDoor* const now = open_door; now != nullptr) WriteHttp(now->counts(), out);
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();
@@ -354,6 +378,8 @@ struct Server::Impl {
   std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens; calls use it until they end
   std::atomic<Acceptor*> listener{nullptr};  // the same, for all threads
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<HttpDoor> door;             // null: not over HTTP; its calls are the server's
+  std::atomic<HttpDoor*> open_door{nullptr};  // the same, for all threads
   int port = 0;
   std::unique_ptr<Ticker> ticker;
   Mutex drain_mutex;
@@ -417,12 +443,20 @@ int Server::port() const { return impl_->port; }
 
 std::string Server::address() const { return impl_->Address(); }
 
+std::string Server::http_address() const {
+  return impl_->door == nullptr ? "" : impl_->door->address();
+}
+
 void Server::Reload() { impl_->access->Reload(); }
 
 MeshRegistry& Server::registry() { return impl_->registry; }
 
 ConnectionTable::Counts Server::connections() const {
   return impl_->acceptor == nullptr ? ConnectionTable::Counts() : impl_->acceptor->counts();
+}
+
+HttpServer::Counts Server::http_counts() const {
+  return impl_->door == nullptr ? HttpServer::Counts() : impl_->door->counts();
 }
 
 bool Server::Drain(absl::Duration limit) {
@@ -450,6 +484,7 @@ bool Server::Drain(absl::Duration limit) {
   const bool answered = (done || waits) && impl_->calls.open().WaitEmpty(kCallGrace);
   if (!answered) impl_->service.CutCalls();
   if (done && waits) impl_->calls.WaitQuiet(kQuiet, kRefusalGrace);
+  if (impl_->door != nullptr) impl_->door->Stop();
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "server/access/connection_table.h"
 #include "server/config/config.h"
+#include "server/http/http_server.h"
 #include "server/journal/journal.h"
 #include "server/meshes/build_pool.h"
 #include "server/meshes/mesh_host.h"
@@ -30,7 +31,8 @@ class Server {
   ~Server();
 
   int port() const;
-  std::string address() const;  // host:port with the chosen port
+  std::string address() const;       // host:port with the chosen port
+  std::string http_address() const;  // the same of HTTP; empty: none
 
   // Health becomes NOT_SERVING, new work is refused (UNAVAILABLE), watches and running builds end,
   // and other running work has up to `limit` to end. After that it is cancelled and changes
@@ -44,6 +46,7 @@ class Server {
 
   MeshRegistry& registry();
   ConnectionTable::Counts connections() const;
+  HttpServer::Counts http_counts() const;
 
  private:
   struct Impl;

@@ -8,6 +8,10 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+
 namespace dynmesh::server {
 namespace {
 
@@ -46,6 +50,27 @@ int ListenAt(const addrinfo& info, int port) {
 }
 
 }  // namespace
+
+absl::StatusOr<HostPort> ParseHostPort(absl::string_view option, absl::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  absl::string_view host = colon == absl::string_view::npos ? "" : text.substr(0, colon);
+  const absl::string_view port = text.substr(colon == absl::string_view::npos ? 0 : colon + 1);
+  HostPort address;
+  if (!absl::SimpleAtoi(port, &address.port) || address.port < 0 || address.port > 65535) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(option, ": '", text, "' is not HOST:PORT, such as 127.0.0.1:9178"));
+  }
+  if (absl::StartsWith(host, "[") && absl::EndsWith(host, "]")) {
+    host = host.substr(1, host.size() - 2);
+  }
+  address.host = host.empty() ? "127.0.0.1" : std::string(host);
+  return address;
+}
+
+std::string AddressText(const HostPort& address) {
+  const bool bracket = absl::StrContains(address.host, ':');
+  return absl::StrCat(bracket ? "[" : "", address.host, bracket ? "]" : "", ":", address.port);
+}
 
 absl::StatusOr<Listening> ListenOn(const std::string& host, const std::string& port) {
   addrinfo wanted{};

@@ -6,8 +6,18 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 
 namespace dynmesh::server {
+
+struct HostPort {
+  std::string host;  // a name or an address without brackets
+  int port = 0;
+};
+// Of [HOST:]PORT; without a host 127.0.0.1. INVALID_ARGUMENT, naming `option`, for other texts.
+absl::StatusOr<HostPort> ParseHostPort(absl::string_view option, absl::string_view text);
+// HOST:PORT, with brackets where the host has colons.
+std::string AddressText(const HostPort& address);
 
 struct Listening {
   std::vector<int> sockets;  // one for each address of the host; the caller closes them

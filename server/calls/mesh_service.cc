@@ -20,6 +20,7 @@
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
+#include "server/base/call_peer.h"
 #include "server/base/peer.h"
 #include "server/calls/asking.h"
 #include "server/calls/build_call.h"
@@ -239,7 +240,7 @@ absl::Status MeshServiceImpl::Refuse(const grpc::CallbackServerContext* call,
 }
 
 absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call) {
-  absl::StatusOr<Pass> pass = context_.access->Admit(CallerOf(*call, call->peer()));
+  absl::StatusOr<Pass> pass = context_.access->Admit(CallerOf(*call, PeerOf(*call)));
   if (pass.ok() && context_.recovering.load(std::memory_order_relaxed)) return RecoveringError();
   return pass;
 }

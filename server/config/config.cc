@@ -28,6 +28,13 @@ absl::Status ValidateExposure(const ServerConfig& c) {
         " can be reached from elsewhere, and nothing would be encrypted: give --tls-cert and "
         "--tls-key, or --insecure-listen if the network is to be trusted"));
   }
+  if (!c.http.empty() && !IsLoopback(c.http) && !c.insecure_listen) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "http: ", c.http,
+        " can be reached from elsewhere, and nothing would be encrypted: listen on loopback and "
+        "put a proxy with TLS before it, or give --insecure-listen if the network is to be "
+        "trusted"));
+  }
   return absl::OkStatus();
 }
 
@@ -37,6 +44,9 @@ absl::Status ValidateConnections(const ServerConfig& c) {
   }
   if (c.max_streams_per_connection < 1) {
     return Bad("max-streams-per-connection", "must be at least 1");
+  }
+  if (c.max_http_connections == 0 || c.max_http_connections > 10'000) {
+    return Bad("max-http-connections", "not in 1..10000");
   }
   if (c.max_connections == 0) return Bad("max-connections", "must be at least 1");
   for (const auto& [field, rate] :
@@ -81,7 +91,9 @@ absl::Status ValidateNode(const ServerConfig& c) {
 
 bool IsLoopback(absl::string_view listen) {
   if (absl::StartsWith(listen, "unix:")) return true;
-  const absl::string_view host = listen.substr(0, listen.rfind(':'));
+  const std::size_t colon = listen.rfind(':');
+  if (colon == absl::string_view::npos) return true;  // a port alone
+  const absl::string_view host = listen.substr(0, colon);
   if (host == "localhost" || host == "[::1]") return true;
   in_addr address{};
   return inet_pton(AF_INET, std::string(host).c_str(), &address) == 1 &&

@@ -42,6 +42,11 @@ struct ServerConfig {
   // host:port of metrics and health over HTTP (metrics_http.h); empty: none.
   std::string metrics;
 
+  // host:port of the service itself over HTTP (http_door.h); empty: none.
+  std::string http;
+  // Connections of HTTP, each with a thread while it is open. Further ones are answered 503.
+  std::uint64_t max_http_connections = 256;
+
   // Threads that apply edits and threads that serve readers. Meshes run in parallel; one mesh has
   // at most one writer thread at a time. 0: one per core, at least 2.
   int writer_threads = 0;

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/base/call_id.h"
+#include "server/base/call_peer.h"
 #include "server/metrics/server_metrics.h"
 
 namespace dynmesh::server {
@@ -211,7 +212,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
     }
     if (ends) {
       const grpc::Status status = step->GetSendStatus();
-      End(status, status.ok() || context_ == nullptr ? "" : context_->peer());
+      End(status, status.ok() || context_ == nullptr ? "" : PeerOf(*context_));
       JudgeStatus(status.error_code());
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE)) JudgeClose();

@@ -5,37 +5,14 @@
 #include <cstddef>
 #include <utility>
 
-#include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/string_view.h"
+#include "server/base/listening.h"
 #include "server/metrics/http_listener.h"
 
 namespace dynmesh::server {
 namespace {
 
 constexpr char kTextFormat[] = "text/plain; version=0.0.4; charset=utf-8";
-
-struct Address {
-  std::string host;
-  int port = 0;
-};
-
-absl::StatusOr<Address> ParseAddress(absl::string_view listen) {
-  const std::size_t colon = listen.rfind(':');
-  absl::string_view host = colon == absl::string_view::npos ? "" : listen.substr(0, colon);
-  const absl::string_view port = listen.substr(colon == absl::string_view::npos ? 0 : colon + 1);
-  Address address;
-  if (!absl::SimpleAtoi(port, &address.port) || address.port < 0 || address.port > 65535) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("metrics: '", listen, "' is not HOST:PORT, such as 127.0.0.1:9178"));
-  }
-  if (absl::StartsWith(host, "[") && absl::EndsWith(host, "]")) {
-    host = host.substr(1, host.size() - 2);
-  }
-  address.host = host.empty() ? "127.0.0.1" : std::string(host);
-  return address;
-}
 
 // A request that was received, and its answer.
 class MemoryStream final : public httplib::Stream {
@@ -115,7 +92,7 @@ struct MetricsHttp::Impl {
 
 absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::string& listen,
                                                                  Sources sources) {
-  const absl::StatusOr<Address> wanted = ParseAddress(listen);
+  const absl::StatusOr<HostPort> wanted = ParseHostPort("metrics", listen);
   if (!wanted.ok()) return wanted.status();
   auto impl = std::make_unique<Impl>(std::move(sources));
   // Before any routing, which would read the body first.
@@ -131,9 +108,7 @@ absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::stri
         absl::StrCat("cannot listen on ", listen, " for metrics: ", listener.status().message()));
   }
   impl->listener = *std::move(listener);
-  const bool bracket = absl::StrContains(wanted->host, ':');
-  impl->address = absl::StrCat(bracket ? "[" : "", wanted->host, bracket ? "]" : "", ":",
-                               impl->listener->port());
+  impl->address = AddressText({wanted->host, impl->listener->port()});
   return std::unique_ptr<MetricsHttp>(new MetricsHttp(std::move(impl)));
 }
 
