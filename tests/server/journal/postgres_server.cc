@@ -65,10 +65,17 @@ std::string PostgresServer::Programs() {
 }
 
 PostgresServer::PostgresServer(const std::vector<std::string>& settings) : settings_(settings) {
+  // A copy takes a quarter of the work of initdb.
+  static const PostgresServer fresh{Unstarted()};
+  MakeFolder();
+  RunProgram({"/bin/cp", "-a", fresh.folder_ + "/data", folder_ + "/data"});
+  Start();
+}
+
+PostgresServer::PostgresServer(Unstarted) {
   MakeFolder();
   RunProgram({"initdb", "-D", folder_ + "/data", "-U", "postgres", "-A", "trust", "-E", "UTF8",
               "--locale=C", "--no-sync", "--no-instructions"});
-  Start();
 }
 
 PostgresServer::PostgresServer(const PostgresServer& primary, const std::string& name) {
@@ -100,7 +107,8 @@ void PostgresServer::MakeFolder() {
 }
 
 pid_t PostgresServer::Spawn(const std::vector<std::string>& words) const {
-  const std::string program = Programs() + "/" + words[0], log = folder_ + "/log";
+  const std::string program = words[0][0] == '/' ? words[0] : Programs() + "/" + words[0];
+  const std::string log = folder_ + "/log";
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -226,7 +234,8 @@ std::string PostgresServer::Sql(const std::string& database, const std::string& 
 
 std::string PostgresServer::MakeDatabase() {
   std::string name = absl::StrCat("d", ++databases_);
-  Sql("postgres", "CREATE DATABASE " + name);
+  // Files that are copied take a third of the time of a log of their pages.
+  Sql("postgres", "CREATE DATABASE " + name + " STRATEGY file_copy");
   return name;
 }
 

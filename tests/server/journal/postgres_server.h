@@ -44,7 +44,11 @@ class PostgresServer {
   std::string SocketFile() const { return folder_ + "/.s.PGSQL.5432"; }
 
  private:
+  struct Unstarted {};
+  // A database cluster alone, to be copied.
+  explicit PostgresServer(Unstarted);
   void MakeFolder();
+  // Programs of PostgreSQL by name, others by path.
   void RunProgram(const std::vector<std::string>& words) const;
   pid_t Spawn(const std::vector<std::string>& words) const;
   std::string Log() const;
