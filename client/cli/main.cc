@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "CLI/CLI.hpp"
 #include "client/cli/command.h"
@@ -15,22 +18,58 @@
 namespace dynmesh::cli {
 namespace {
 
-int Main(int argc, char** argv) {
-  CLI::App app("Dynamic Delaunay meshes: from scratch, edit by edit, and proof of both.",
-               "dynmesh");
+void SetUp(CLI::App& app) {
   app.set_version_flag("--version", VersionText());
   app.require_subcommand(0, 1);
   app.failure_message(CLI::FailureMessage::simple);
-  CommandSlot slot;
+}
+
+void RegisterMesh(CLI::App& app, CommandSlot& slot) {
 #ifdef DYNMESH_CLI_REMOTE
   RegisterMeshCommand(app, slot, MakeRemoteMesher());
 #else
   RegisterMeshCommand(app, slot, nullptr);
 #endif
-  RegisterReplayCommand(app, slot);
-  RegisterImportCommand(app, slot);
-  RegisterVerifyCommand(app, slot);
-  RegisterDiffCommand(app, slot);
+}
+
+constexpr std::pair<std::string_view, void (*)(CLI::App&, CommandSlot&)> kLocal[] = {
+    {"mesh", RegisterMesh},
+    {"replay", RegisterReplayCommand},
+    {"import", RegisterImportCommand},
+    {"verify", RegisterVerifyCommand},
+    {"diff", RegisterDiffCommand},
+};
+
+// Runs the command line if it begins with one of those, and is right. Only that one is registered:
+// the flags of all take longer than a small mesh. Returns the exit code.
+std::optional<int> RunLocal(int argc, char** argv) {
+  // CLI11 lists flags that exclude each other by address: help is that of flags registered first.
+  for (int i = 1; i < argc; ++i) {
+    if (argv[i] == std::string_view("--help") || argv[i] == std::string_view("-h")) return {};
+  }
+  for (const auto& [name, add] : kLocal) {
+    if (argc < 2 || argv[1] != name) continue;
+    CLI::App app;
+    SetUp(app);
+    CommandSlot slot;
+    add(app, slot);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError&) {
+      return std::nullopt;  // an error, which is told with all commands at hand
+    }
+    if (slot.run) return slot.run();
+  }
+  return std::nullopt;
+}
+
+int Main(int argc, char** argv) {
+  if (const std::optional<int> code = RunLocal(argc, argv)) return *code;
+  CLI::App app("Dynamic Delaunay meshes: from scratch, edit by edit, and proof of both.",
+               "dynmesh");
+  SetUp(app);
+  CommandSlot slot;
+  for (const auto& [name, add] : kLocal) add(app, slot);
 #ifdef DYNMESH_CLI_REMOTE
   RegisterRemoteCommands(app, slot);
 #endif

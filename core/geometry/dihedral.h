@@ -18,6 +18,8 @@ class DihedralBound {
   explicit DihedralBound(double degrees) : degrees_(degrees), cosine_(CosineOf(degrees)) {}
 
   double degrees() const { return degrees_; }
+  // A little less than the bound's; 2 for a bound of 0.
+  double cosine() const { return cosine_; }
 
   // True if one of the six angles is less than the bound. Also true for flat tetrahedra, and for
   // angles that equal the bound within rounding. If it is false, no angle is less, however angles

@@ -17,6 +17,10 @@ using geometry::Vector3;
 constexpr double kSlack = 1e-11;
 // A smaller area, in units of the squared distance, counts as none.
 constexpr double kNoArea = 1e-9;
+// MayMeet enlarges the cell by more than all roundings of a cut: by these parts of the facet's
+// distance and of the cell's reach. Rings of more corners count as the box around them.
+constexpr double kWiderByFacet = 1e-9, kWiderByReach = 1e-12;
+constexpr std::size_t kFewCorners = 8;
 
 }  // namespace
 
@@ -41,16 +45,25 @@ void CellCut::BeginSorted() {
   std::sort(neighbours_.begin(), neighbours_.end(), [](const auto* a, const auto* b) {
     return a->d2 != b->d2 ? a->d2 < b->d2 : a->p < b->p;
   });
+  lengths_.clear();
+  for (const Neighbour* u : neighbours_) lengths_.push_back(std::sqrt(u->d2));
 }
 
 // Keeps the part with a x + b y <= c.
 void CellCut::Clip(double a, double b, double c) {
-  const auto over = [&](const Position& p) { return a * p[0] + b * p[1] - c; };
   const std::size_t n = polygon_.size();
+  over_.clear();
+  bool is_cut = false;
+  for (const Position& p : polygon_) {
+    over_.push_back(a * p[0] + b * p[1] - c);
+    is_cut |= !(over_.back() <= 0);
+  }
+  if (!is_cut) return;
   clipped_.clear();
   for (std::size_t i = 0; i < n; ++i) {
-    const Position &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
-    const double at_p = over(p), at_q = over(q);
+    const std::size_t j = i + 1 == n ? 0 : i + 1;
+    const double at_p = over_[i], at_q = over_[j];
+    const Position &p = polygon_[i], &q = polygon_[j];
     if (at_p <= 0) clipped_.push_back(p);
     if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
       const double t = at_p / (at_p - at_q);
@@ -99,7 +112,56 @@ Point3 CellCut::At(const Position& position, const Facet& facet) const {
   return facet.plane().Foot(at);
 }
 
+// Clips the facet by the enlarged cell, in place of the cell's plane by the cell. A ring that is
+// not convex is clipped to more than is left of it. So is one with holes, and the box of a large
+// one.
+bool CellCut::MayMeet(const Facet& facet) {
+  const Vector3& normal = facet.plane().normal;
+  const double height = facet.plane().Height(p_);
+  const auto [x, y] = geometry::AxesOf(facet.plane());
+  polygon_.clear();
+  double far = 0;
+  if (facet.rings().size() == 1 && facet.rings().front().size() <= kFewCorners) {
+    for (const Point3& corner : facet.rings().front()) {
+      const Vector3 d = geometry::Difference(corner.c, p_.c);
+      polygon_.push_back({Dot(x, d), Dot(y, d)});
+      far = std::max({far, std::fabs(polygon_.back()[0]), std::fabs(polygon_.back()[1])});
+    }
+  } else {
+    const Extent<3>& box = facet.where().box;
+    Vector3 middle;
+    Position half = {0, 0};
+    for (std::size_t k = 0; k < 3; ++k) {
+      middle[k] = 0.5 * (box.lo[k] + box.hi[k]) - p_[static_cast<int>(k)];
+      half[0] += 0.5 * (box.hi[k] - box.lo[k]) * std::fabs(x[k]);
+      half[1] += 0.5 * (box.hi[k] - box.lo[k]) * std::fabs(y[k]);
+    }
+    const double at_x = Dot(x, middle), at_y = Dot(y, middle);
+    polygon_ = {{at_x - half[0], at_y - half[1]},
+                {at_x + half[0], at_y - half[1]},
+                {at_x + half[0], at_y + half[1]},
+                {at_x - half[0], at_y + half[1]}};
+    far = std::max(std::fabs(at_x) + half[0], std::fabs(at_y) + half[1]);
+  }
+  double largest = 0;  // coordinate: their differences round
+  for (int k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(p_[k]));
+  const double wider = kWiderByFacet * (far + std::fabs(height)) + kWiderByReach * reach_ +
+                       2 * facet.where().margin + 0x1p-46 * largest;
+  for (std::size_t i = 0; i < neighbours_.size(); ++i) {
+    const Neighbour& u = *neighbours_[i];
+    Clip(Dot(x, u.d), Dot(y, u.d),
+         0.5 * u.d2 + height * Dot(normal, u.d) + kSlack * u.d2 + wider * lengths_[i]);
+    if (polygon_.empty()) return false;
+  }
+  return true;
+}
+
 std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
+  if (!MayMeet(facet)) return std::nullopt;
+  return NaiveOf(facet);
+}
+
+std::optional<CellCut::Cut> CellCut::NaiveOf(const Facet& facet) {
   const Vector3& normal = facet.plane().normal;
   const double height = facet.plane().Height(p_);
   const auto [x, y] = geometry::AxesOf(facet.plane());

@@ -44,6 +44,11 @@ class CellCut {
   };
   // Nothing if the cell does not meet the facet. O(neighbours x corners of the cut).
   std::optional<Cut> Of(const Facet& facet);
+  // The same without a look at MayMeet: for tests.
+  std::optional<Cut> NaiveOf(const Facet& facet);
+  // False if the facet is certainly outside of the cell: then Of finds nothing. Most facets at hand
+  // are, and it takes a few neighbours to see that, as a facet is small beside a cell's plane.
+  bool MayMeet(const Facet& facet);
   // The corner of the last intersection that is farthest from the vertex, among those in the
   // facet's inside; nothing if there is none.
   std::optional<geometry::Point3> Farthest(const Facet& facet) const;
@@ -65,7 +70,9 @@ class CellCut {
   geometry::Point3 p_ = {};
   double reach_ = 0;
   std::vector<const Neighbour*> neighbours_;  // in an order that depends on them alone
+  std::vector<double> lengths_;               // how far they are
   std::vector<Position> polygon_, clipped_;
+  std::vector<double> over_;  // of Clip
 };
 
 }  // namespace dynmesh::meshing

@@ -28,6 +28,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/rounding.h"
+#include "core/geometry/apex_bound.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/space_predicates.h"
 #include "core/meshing/complex.h"
@@ -61,6 +62,7 @@ class CureWork {
   using Context = ContextOf<D, E>;
   using Point = geometry::Point<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
+  using Corner = delaunay::DelaunayTetrahedralization::Corner;
 
   CureWork(const Complex<D, E>& complex, Emitter<D, E>& emitter)
       : complex_(complex), emitter_(emitter), search_(complex), facets_(complex) {}
@@ -92,6 +94,9 @@ class CureWork {
   // Returns whether it did.
   template <class F>
   bool AnyCureIn(Context& context, const Point& centre, double radius, F f) const;
+  // The same for one of many balls near the sliver: f(position).
+  template <class F>
+  bool AnyCureNear(Context& context, const Sliver& sliver, const Point& centre, double radius, F f);
   // The vertex of another cure that unmade the sliver; kNil if there is none.
   VertexIndex UnmakerOf(Context& context, const Sliver& sliver) const;
   // True if x may become a vertex (on `facet` unless that is kNil). Most unsuitable points are
@@ -101,14 +106,34 @@ class CureWork {
              Reads* reads);
   // True if the tetrahedron of x and that facet of its cavity is bad, and no vertex of a cure
   // unmakes it.
-  bool IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
-                   const RefusingFacets::Facet& facet, Reads* reads);
+  // angles_are_good: it is known to have no angle below the bound.
+  bool IsRefusedBy(Context& context, const Sliver& sliver, const Point& x, const Corner& facet,
+                   Reads* reads, bool angles_are_good = false);
+  // The tetrahedron of x and those three is bad. True if no vertex of a cure unmakes it.
+  bool StaysBad(Context& context, const Sliver& sliver, const Point& x,
+                const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p, Reads* reads);
+  // Untraced: what is kept with a facet that refused a candidate.
+  struct KnownFacet {
+    std::array<VertexIndex, 3> v = {};
+    std::array<Point, 3> p = {};
+    double least2 = INFINITY;  // of its edges that count, squared
+    geometry::ApexBound angles = {};
+    bool is_quick = false;  // it refused as IsSurelyBad knows; then nothing else is looked at
+  };
+  KnownFacet Know(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
+                  const Point& x, const Sliver& sliver) const;
+  // Is the tetrahedron of x and the facet surely bad? No ball is needed for that.
+  bool IsSurelyBad(const KnownFacet& facet, const Point& x, const Sliver& sliver) const;
+  // The same of any three vertices.
+  bool IsSurelyTooShortOrLarge(const std::array<Point, 3>& p, const Point& x,
+                               const Sliver& sliver) const;
+  // Untraced. True if the cavity of x in the base has a facet that refuses x, or x is cut off.
+  // What is sure comes first, and what needs balls last. Fills cavity_.
+  bool IsRefusedByCavity(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
+                         Reads* reads);
   // Untraced. True if a facet would surely not stay whole. REQUIRES: cavity_ is that of x.
   bool IsCutOffByFacet(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
                        Reads* reads);
-  // Is a vertex of a cure in the ball of x and p? `centre`, `radius`: of a ball around that.
-  bool IsUnmade(Context& context, const Sliver& sliver, const Point& x,
-                const std::array<Point, 3>& p, const Point& centre, double radius);
   // True if x, in the sliver's ball, encroaches on a subsegment.
   bool Encroaches(Context& context, const Sliver& sliver, const Point& x);
   // Finds before_ and new_cures_; untraced. Without new cures the sliver has no candidate now.
@@ -146,13 +171,20 @@ class CureWork {
   delaunay::NumberTable<1> rim_;
   std::vector<typename SpatialTree<D>::Ball> balls_;
   // Of the cure at work.
-  RefusingFacets refusing_;
-  int asked_ = 0;         // how often Encroaches was
-  int asked_unmade_ = 0;  // how often IsUnmade was
-  bool has_near_cures_ = false;
-  std::vector<Point> near_cures_;  // in a ball around the sliver
-  bool is_strict_ = false;         // excused edges do not count as such
-  bool met_excuse_ = false;        // there was one
+  RefusingFacets<KnownFacet> refusing_;
+  struct Unsure {
+    Corner facet;
+    bool angles_are_good;
+  };
+  std::vector<Unsure> unsure_;  // of IsRefusedByCavity
+  int asked_ = 0;               // how often Encroaches was
+  int asked_near_ = 0;          // how often AnyCureNear was
+  // Of AnyCureNear: all cures in a ball of that radius around the sliver. Within more than the most
+  // there are too many for a list.
+  double near_reach_ = 0, most_reach_ = INFINITY;
+  std::vector<Point> near_cures_, more_cures_;
+  bool is_strict_ = false;   // excused edges do not count as such
+  bool met_excuse_ = false;  // there was one
   std::vector<SubsegmentIndex> near_segments_;
   // Untraced. Slivers without a candidate in the last round: how far what was read reached, and
   // the first vertex that was not yet there.
@@ -183,8 +215,10 @@ void CureWork<D, E>::Run(Context& context) {
                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     refusing_.Clear();
-    asked_ = asked_unmade_ = 0;
-    has_near_cures_ = false;
+    asked_ = asked_near_ = 0;
+    near_reach_ = 0;
+    most_reach_ = INFINITY;
+    near_cures_.clear();
     Recall(context, sliver, &reads);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
@@ -278,21 +312,32 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     if constexpr (!kTraced) {
       if (keeps_segments && Encroaches(context, sliver, x)) return false;
     }
-    const auto refuses = [&](const RefusingFacets::Facet& by) {
-      return IsRefusedBy(context, sliver, x, by, reads);
-    };
-    if (refusing_.Any([&](const auto& by) { return base.IsOnCavity(by, x) && refuses(by); })) {
-      return false;
-    }
-    const bool is_kept = base.VisitCavityOf(x, sliver.simplex, &cavity_, [&](const auto& by) {
-      if (!refuses(by)) return true;
-      refusing_.Add(by);
-      return false;
-    });
-    if (!is_kept) return false;
     const bool keeps_facets = IsOn(RefinementTerm::kCureKeepsFacets);
-    if constexpr (!kTraced) {
-      if (keeps_facets && IsCutOffByFacet(context, sliver, x, facet, reads)) return false;
+    if constexpr (kTraced) {
+      const auto refuses = [&](const Corner& by) {
+        return IsRefusedBy(context, sliver, x, by, reads);
+      };
+      if (refusing_.Any([&](const Corner& by, const KnownFacet&) {
+            return base.IsOnCavity(by, x) && refuses(by);
+          })) {
+        return false;
+      }
+      const bool is_kept = base.VisitCavityOf(x, sliver.simplex, &cavity_, [&](const Corner& by) {
+        if (!refuses(by)) return true;
+        refusing_.Add(by, {});
+        return false;
+      });
+      if (!is_kept) return false;
+    } else {
+      const auto refuses = [&](const Corner& by, const KnownFacet& known) {
+        if (!base.IsOnCavity(by, x)) return false;
+        if (!known.is_quick) return IsRefusedBy(context, sliver, x, by, reads);
+        return IsSurelyBad(known, x, sliver) &&
+               StaysBad(context, sliver, x, known.v, known.p, reads);
+      };
+      if (refusing_.Any(refuses) || IsRefusedByCavity(context, sliver, x, facet, reads)) {
+        return false;
+      }
     }
     const bool has_cures = MakeStarOf(context, sliver, x);
     // Without cures it is of the tetrahedra with the cavity's facets, which are good.
@@ -315,25 +360,33 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
 
 template <int D, template <class> class E>
 bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const Point& x,
-                                 const RefusingFacets::Facet& facet, Reads* reads) {
+                                 const Corner& facet, Reads* reads, bool angles_are_good) {
   if constexpr (D == 3) {
     const TriangulationOf<D>& base = complex_.slivers.base();
     const std::array<VertexIndex, 3> v = base.FacetAt(facet);
     const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]), base.position(v[2])};
-    std::optional<geometry::Circumball> ball;
-    const auto ball_of = [&] {
-      if (!ball) ball = geometry::CircumballOf(x, p[0], p[2], p[1]);
-      return *ball;
-    };
+    const auto ball_of = [&] { return geometry::CircumballOf(x, p[0], p[2], p[1]); };
     const bool is_bad = IsTooShortOrLarge(v, p, x, sliver, ball_of) ||
-                        (IsOn(RefinementTerm::kCureKeepsAngles) &&
+                        (!angles_are_good && IsOn(RefinementTerm::kCureKeepsAngles) &&
                          IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
-    if (!is_bad) return false;
-    ball_of();
-    const double radius = std::sqrt(ball->r2) + ball->error + 4 * complex_.rules.ulp();
+    return is_bad && StaysBad(context, sliver, x, v, p, reads);
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::StaysBad(Context& context, const Sliver& sliver, const Point& x,
+                              const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
+                              Reads* reads) {
+  if constexpr (D == 3) {
+    const geometry::Circumball ball = geometry::CircumballOf(x, p[0], p[2], p[1]);
+    const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
     Point centre = x;
-    for (int k = 0; k < 3; ++k) centre[k] += ball->w[static_cast<std::size_t>(k)];
-    if (IsUnmade(context, sliver, x, p, centre, radius)) return false;
+    for (int k = 0; k < 3; ++k) centre[k] += ball.w[static_cast<std::size_t>(k)];
+    if (AnyCureNear(context, sliver, centre, radius,
+                    [&](const Point& y) { return geometry::InSphere(p[0], p[1], p[2], x, y); })) {
+      return false;
+    }
     if constexpr (kTraced) {
       reads->cover.AddDistantBall(centre, radius);
       reads->Read(reads->candidate, v[0], v[2], v[1]);
@@ -341,6 +394,109 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
       reads->AddReach(sliver, centre, radius);
     }
     return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+auto CureWork<D, E>::Know(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
+                          const Point& x, const Sliver& sliver) const -> KnownFacet {
+  KnownFacet known{v, p};
+  if constexpr (D == 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
+      if (d2 < known.least2 && !complex_.IsSeditious(v[k], v[(k + 1) % 3])) known.least2 = d2;
+    }
+    known.angles = geometry::ApexBound(complex_.slivers.bound(), p);
+    known.is_quick = IsSurelyBad(known, x, sliver);
+  }
+  return known;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsSurelyBad(const KnownFacet& facet, const Point& x,
+                                 const Sliver& sliver) const {
+  if constexpr (D == 3) {
+    const double least2 = kCureDistance * kCureDistance * sliver.shortest2;
+    double shortest2 = facet.least2, longest2 = 0;
+    for (const Point& q : facet.p) {
+      const double d2 = geometry::SquaredDistance(q, x);
+      if (d2 < least2) return true;
+      shortest2 = std::min(shortest2, d2);
+      longest2 = std::max(longest2, d2);
+    }
+    if (IsOn(RefinementTerm::kCureKeepsQuality) &&
+        complex_.rules.IsTooFar(0.25 * kNarrower * longest2, shortest2)) {
+      return true;
+    }
+    return IsOn(RefinementTerm::kCureKeepsAngles) && facet.angles.IsSurelyBelow(x);
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsSurelyTooShortOrLarge(const std::array<Point, 3>& p, const Point& x,
+                                             const Sliver& sliver) const {
+  if constexpr (D == 3) {
+    const double least2 = kCureDistance * kCureDistance * sliver.shortest2;
+    double shortest2 = INFINITY, longest2 = 0;
+    for (const Point& q : p) {
+      const double d2 = geometry::SquaredDistance(q, x);
+      if (d2 < least2) return true;
+      shortest2 = std::min(shortest2, d2);
+      longest2 = std::max(longest2, d2);
+    }
+    if (!IsOn(RefinementTerm::kCureKeepsQuality)) return false;
+    // Whether or not edges between the three count.
+    const double far2 = 0.25 * kNarrower * longest2;
+    if (!complex_.rules.IsTooFar(far2, shortest2)) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
+      if (d2 < shortest2 && !complex_.rules.IsTooFar(far2, d2)) return false;
+    }
+    return true;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool CureWork<D, E>::IsRefusedByCavity(Context& context, const Sliver& sliver, const Point& x,
+                                       FeatureSlot facet, Reads* reads) {
+  if constexpr (D == 3) {
+    const TriangulationOf<D>& base = complex_.slivers.base();
+    const bool keeps_angles = IsOn(RefinementTerm::kCureKeepsAngles);
+    using Certain = geometry::DihedralBound::Certain;
+    unsure_.clear();
+    const bool is_kept = base.VisitCavityOf(x, sliver.simplex, &cavity_, [&](const Corner& by) {
+      const std::array<VertexIndex, 3>& v = cavity_.facets.back();
+      const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]),
+                                      base.position(v[2])};
+      Certain angles = Certain::kNone;
+      bool is_bad = IsSurelyTooShortOrLarge(p, x, sliver);
+      if (!is_bad && keeps_angles) {
+        angles = complex_.slivers.Look({p[0], p[1], p[2], x});
+        is_bad = angles == Certain::kOne;
+      }
+      if (!is_bad) {
+        unsure_.push_back({by, angles == Certain::kNone});
+        return true;
+      }
+      if (!StaysBad(context, sliver, x, v, p, reads)) return true;
+      refusing_.Add(by, Know(v, p, x, sliver));
+      return false;
+    });
+    if (!is_kept) return true;
+    if (IsOn(RefinementTerm::kCureKeepsFacets) &&
+        IsCutOffByFacet(context, sliver, x, facet, reads)) {
+      return true;
+    }
+    for (const auto& [by, angles_are_good] : unsure_) {
+      if (!IsRefusedBy(context, sliver, x, by, reads, angles_are_good)) continue;
+      const std::array<VertexIndex, 3> v = base.FacetAt(by);
+      refusing_.Add(
+          by, Know(v, {base.position(v[0]), base.position(v[1]), base.position(v[2])}, x, sliver));
+      return true;
+    }
   }
   return false;
 }
@@ -358,8 +514,8 @@ bool CureWork<D, E>::IsCutOffByFacet(Context& context, const Sliver& sliver, con
         if (!(geometry::SquaredDistance(base.position(u), room->centre) > radius2)) return false;
       }
     }
-    if (AnyCureIn(context, room->centre, room->radius,
-                  [](VertexIndex, const Point&) { return true; })) {
+    if (AnyCureNear(context, sliver, room->centre, room->radius,
+                    [](const Point&) { return true; })) {
       return false;
     }
     reads->AddReach(sliver, room->centre, room->radius);
@@ -368,34 +524,44 @@ bool CureWork<D, E>::IsCutOffByFacet(Context& context, const Sliver& sliver, con
   return false;
 }
 
+// The first balls are looked up in the tree, the others in a list of all cures near the sliver. It
+// grows with the balls as long as it is short: in the tree a ball that is much larger than the
+// sliver meets many cells.
 template <int D, template <class> class E>
-bool CureWork<D, E>::IsUnmade(Context& context, const Sliver& sliver, const Point& x,
-                              const std::array<Point, 3>& p, const Point& centre, double radius) {
-  constexpr int kFewUnmade = 8;
+template <class F>
+bool CureWork<D, E>::AnyCureNear(Context& context, const Sliver& sliver, const Point& centre,
+                                 double radius, F f) {
+  constexpr int kFewAsked = 8;
   constexpr double kNear = 5;  // in radii of the sliver
+  constexpr std::size_t kMost = 64;
   if constexpr (D == 3) {
-    const auto is_inside = [&](const Point& y) {
-      return geometry::InSphere(p[0], p[1], p[2], x, y);
-    };
-    const double near = kNear * sliver.radius;
-    const double to_centre = std::sqrt(geometry::SquaredDistance(sliver.centre, centre));
-    if (++asked_unmade_ <= kFewUnmade || !(to_centre + radius < near * kNarrower)) {
-      return AnyCureIn(context, centre, radius,
-                       [&](VertexIndex, const Point& y) { return is_inside(y); });
-    }
-    if (!has_near_cures_) {
-      has_near_cures_ = true;
-      near_cures_.clear();
-      AnyCureIn(context, sliver.centre, near, [this](VertexIndex, const Point& y) {
-        near_cures_.push_back(y);
-        return false;
+    const double reach =
+        (std::sqrt(geometry::SquaredDistance(sliver.centre, centre)) + radius) * kRootWider;
+    const double first = kNear * sliver.radius;
+    if (++asked_near_ > kFewAsked && !(reach < near_reach_ * kNarrower) && reach < most_reach_) {
+      // Nearer than the first reach however many there are.
+      const double wanted = reach < first * kNarrower ? first : 2 * reach;
+      std::vector<Point>& more = more_cures_;
+      more.clear();
+      AnyCureIn(context, sliver.centre, wanted, [&](VertexIndex, const Point& y) {
+        more.push_back(y);
+        return wanted > first && more.size() > kMost;
       });
+      if (wanted > first && more.size() > kMost) {
+        most_reach_ = std::max(first, near_reach_);
+      } else {
+        near_reach_ = wanted;
+        std::swap(near_cures_, more);
+      }
+    }
+    if (!(reach < near_reach_ * kNarrower)) {
+      return AnyCureIn(context, centre, radius, [&](VertexIndex, const Point& y) { return f(y); });
     }
     const double radius2 = radius * radius * kWider;
     for (std::size_t i = 0; i < near_cures_.size(); ++i) {
       if (geometry::SquaredDistance(near_cures_[i], centre) > radius2) continue;
-      if (!is_inside(near_cures_[i])) continue;
-      // The one that unmade most gets to the front.
+      if (!f(near_cures_[i])) continue;
+      // The one that was found most gets to the front.
       if (i > 0) std::swap(near_cures_[i - 1], near_cures_[i]);
       return true;
     }

@@ -18,18 +18,20 @@
 
 namespace dynmesh::meshing {
 
+// `Note`: what is kept with a facet.
+template <class Note>
 class RefusingFacets {
  public:
   // By the corner of the tetrahedron inside.
   using Facet = delaunay::DelaunayTetrahedralization::Corner;
 
   void Clear() { entries_.clear(); }
-  // Calls refuses(facet) for each, those first that have refused most, until it returns true.
+  // Calls refuses(facet, note) for each, those first that have refused most, until it returns true.
   // Returns whether it did.
   template <class Refuses>
   bool Any(Refuses refuses) {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
-      if (!refuses(entries_[i].facet)) continue;
+      if (!refuses(entries_[i].facet, entries_[i].note)) continue;
       ++entries_[i].count;
       for (; i > 0 && entries_[i - 1].count < entries_[i].count; --i) {
         std::swap(entries_[i - 1], entries_[i]);
@@ -39,9 +41,9 @@ class RefusingFacets {
     return false;
   }
   // Of the most that are kept, the one that has refused least gives way.
-  void Add(const Facet& facet) {
+  void Add(const Facet& facet, const Note& note) {
     if (entries_.size() == kMost) entries_.pop_back();
-    entries_.push_back({facet, 1});
+    entries_.push_back({facet, 1, note});
   }
 
  private:
@@ -49,6 +51,7 @@ class RefusingFacets {
   struct Entry {
     Facet facet;
     std::uint32_t count;
+    Note note;
   };
   std::vector<Entry> entries_;
 };

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 
 #include "core/base/rounding.h"
@@ -132,7 +134,16 @@ SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
 template SegmentShape ShapeOf<2>(double, const WedgeEnd&, const WedgeEnd&);
 template SegmentShape ShapeOf<3>(double, const WedgeEnd&, const WedgeEnd&);
 
+// Where both are normal numbers of one power of two, the order of doubles is that of their words:
+// the last bits of a number may be 0 from the first one on in which it differs from what is below
+// lo.
 double Coarsest(double lo, double hi) {
+  constexpr int kFraction = 52;
+  const auto below = std::bit_cast<std::uint64_t>(lo) - 1, most = std::bit_cast<std::uint64_t>(hi);
+  if (lo > 0x1p-900 && lo <= hi && hi < 0x1p900) {
+    const std::uint64_t tail = std::bit_floor(below ^ most) - 1;
+    return std::bit_cast<double>(most & ~std::min(tail, (std::uint64_t{1} << kFraction) - 1));
+  }
   int exponent = 0;
   std::frexp(hi, &exponent);  // hi < 2^exponent
   for (; exponent > -1070; --exponent) {

@@ -150,6 +150,10 @@ bool SliverTable::IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p,
   return IsBelow(bound_, Corners(v, p), is_excused);
 }
 
+geometry::DihedralBound::Certain SliverTable::Look(const std::array<Point, 4>& p) const {
+  return bound_.Look(p, [](int i, int) { return i == 3; });
+}
+
 void SliverTable::Look(std::uint32_t simplex, IsExcused is_excused, IsFlat is_flat) {
   const Corners corners(base_->vertices(simplex), *base_);
   if (!bound_.IsBelowSorted(corners.p)) return;

@@ -87,6 +87,9 @@ class SliverTable {
   // Does the tetrahedron have an angle below the bound that counts? `v`: its corners, kNil for one
   // without excused edges; `p`: their positions.
   bool IsSliver(std::array<VertexIndex, 4> v, std::array<Point, 4> p, IsExcused is_excused) const;
+  // What is certain of a tetrahedron, of which corner 3 is no vertex yet: no angle is below the
+  // bound; or one is, and counts. Mostly one of the two is.
+  geometry::DihedralBound::Certain Look(const std::array<Point, 4>& p) const;
 
   // Calls ask(i) for slivers that came and drop(i) for slivers that went since the last call.
   template <class Ask, class Drop>

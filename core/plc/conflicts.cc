@@ -58,47 +58,35 @@ class ConflictFinder {
     }
   }
 
-  // Each pair is judged once: when the later one enters. What is not new enters first.
+  // Each pair is judged once: when the later one comes. What is new comes first. The rest need not
+  // be in the index: of two that are not new nothing is asked. It takes long to enter thousands of
+  // needles at one corner.
   void Run() {
-    for (const auto& p : points_) {
-      if (!is_new_(p.id)) index_.Insert(p);
-    }
-    for (const auto& s : segments_) {
-      if (!IsNew(s)) index_.Insert(s);
-    }
-    for (const Facet& f : facets_) {
-      if (!is_new_(f.id())) index_.Insert(f);
-    }
     for (const auto& p : points_) {
       if (!is_new_(p.id)) continue;
       if (!CheckPosition(p, options_.box, 0).ok()) Tell(p);
-      index_.QueryNear(
-          p.p, [&](const PointFeature<3>& q) { Judge(p, q, p.id != q.id); },
-          [&](const SegmentFeature<3>& s) { Judge(p, s); }, [&](const Facet& f) { Judge(p, f); },
-          &cost_);
+      JudgeNear(p);
       index_.Insert(p);
     }
     for (const auto& s : segments_) {
       if (!IsNew(s)) continue;
-      index_.QueryNear(
-          s, [&](const PointFeature<3>& p) { Judge(p, s); },
-          [&](const SegmentFeature<3>& t) { Judge(s, t, KeyOf(s) != KeyOf(t)); },
-          [&](const Facet& f) { Judge(s, f); }, &cost_);
+      JudgeNear(s);
       index_.Insert(s);
     }
     for (const Facet& f : facets_) {
       if (!is_new_(f.id())) continue;
       if (!CheckFacet(f, limit_, 0).ok()) Tell(f);
-      // Facets may be near in as many visited cells as they have corners.
-      absl::flat_hash_map<FeatureId, bool> judged;
-      index_.QueryNear(
-          f, [&](const PointFeature<3>& p) { Judge(p, f); },
-          [&](const SegmentFeature<3>& s) { Judge(s, f); },
-          [&](const Facet& g) {
-            if (judged.try_emplace(g.id(), true).second) Judge(f, g, f.id() != g.id());
-          },
-          &cost_);
+      JudgeNear(f);
       index_.Insert(f);
+    }
+    for (const auto& p : points_) {
+      if (!is_new_(p.id)) JudgeNear(p);
+    }
+    for (const auto& s : segments_) {
+      if (!IsNew(s)) JudgeNear(s);
+    }
+    for (const Facet& f : facets_) {
+      if (!is_new_(f.id())) JudgeNear(f);
     }
   }
 
@@ -215,6 +203,30 @@ class ConflictFinder {
     return !AnyOf(f, [&](FeatureId id) { return open_.contains(id); });
   }
 
+  // Each with what is in the index.
+  void JudgeNear(const PointFeature<3>& p) {
+    index_.QueryNear(
+        p.p, [&](const PointFeature<3>& q) { Judge(p, q, p.id != q.id); },
+        [&](const SegmentFeature<3>& s) { Judge(p, s); }, [&](const Facet& f) { Judge(p, f); },
+        &cost_);
+  }
+  void JudgeNear(const SegmentFeature<3>& s) {
+    index_.QueryNear(
+        s, [&](const PointFeature<3>& p) { Judge(p, s); },
+        [&](const SegmentFeature<3>& t) { Judge(s, t, KeyOf(s) != KeyOf(t)); },
+        [&](const Facet& f) { Judge(s, f); }, &cost_);
+  }
+  void JudgeNear(const Facet& f) {
+    // Facets may be near in as many visited cells as they have corners.
+    absl::flat_hash_map<FeatureId, bool> judged;
+    index_.QueryNear(
+        f, [&](const PointFeature<3>& p) { Judge(p, f); },
+        [&](const SegmentFeature<3>& s) { Judge(s, f); },
+        [&](const Facet& g) {
+          if (judged.try_emplace(g.id(), true).second) Judge(f, g, f.id() != g.id());
+        },
+        &cost_);
+  }
   template <class F, class G>
   void Judge(const F& f, const G& g, bool are_two = true) {
     if (!are_two || (IsTold(f) && IsTold(g)) || Between(f, g, limit_) == Conflict::kNone) return;

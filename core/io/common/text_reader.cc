@@ -55,13 +55,19 @@ absl::StatusOr<std::string> ReadWholeFile(const std::string& path) {
   if (file == nullptr) return SystemError(errno, path, "open");
   std::string text;
   // Only a hint: a pipe has no size, and that of a sparse file may be more than there is memory.
-  constexpr std::uintmax_t kMostAhead = std::uintmax_t{1} << 30;
+  constexpr std::uintmax_t kMostAhead = std::uintmax_t{1} << 30, kMostAtOnce = 1 << 24;
   std::error_code unknown;
-  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
-  if (!unknown) text.reserve(std::min(size, kMostAhead));
-  std::vector<char> buffer(std::size_t{1} << 18);
-  std::size_t got = 0;
-  while ((got = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) {
+  std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (unknown) size = 0;
+  text.reserve(std::min(size, kMostAhead));
+  // Small files without a large block beside them.
+  text.resize(std::min(size, kMostAtOnce));
+  std::size_t got = std::fread(text.data(), 1, text.size(), file);
+  const bool is_all = got < text.size();
+  text.resize(got);
+  std::vector<char> buffer(is_all ? 0
+                                  : std::size_t{1} << (0 < size && size <= kMostAtOnce ? 8 : 18));
+  while (!is_all && (got = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) {
     text.append(buffer.data(), got);
   }
   const int error = std::ferror(file) ? errno : 0;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/geometry/apex_bound.h"
 #include "tests/core/geometry/random_points.h"
 
 namespace dynmesh::geometry::dihedral_test {
@@ -102,6 +103,71 @@ TEST(Dihedral, WhatIsCertainIsWhatSortedCornersSay) {
     }
   }
   EXPECT_GT(certain, uncertain);
+}
+
+// Of flat ones and needles, too; and of most where an angle at the triangle is well below.
+TEST(ApexBound, WhatIsSureIsBelow) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> within(0, 1);
+  int sure = 0, well_below = 0, found = 0;
+  const auto check = [&](const Corners& p) {
+    for (const double degrees : {0.0, 0.01, 1.0, 10.0, 30.0}) {
+      const DihedralBound bound(degrees);
+      const ApexBound of(bound, {p[0], p[1], p[2]});
+      const bool is_sure = of.IsSurelyBelow(p[3]);
+      if (is_sure) {
+        EXPECT_GE(degrees, 1);
+        std::array<int, 4> order = {0, 1, 2, 3};
+        do {
+          const Corners q = {p[order[0]], p[order[1]], p[order[2]], p[order[3]]};
+          ASSERT_TRUE(bound.IsBelow(q)) << degrees;
+          ASSERT_NE(bound.Look(q, [](int, int) { return true; }), DihedralBound::Certain::kNone);
+        } while (std::next_permutation(order.begin(), order.end()));
+      }
+      sure += is_sure;
+      if (degrees < 1) continue;
+      const double least =
+          std::min({NaiveAngle(p[0], p[1], p[2], p[3]), NaiveAngle(p[1], p[2], p[0], p[3]),
+                    NaiveAngle(p[2], p[0], p[1], p[3])});
+      well_below += least < 0.98 * degrees;
+      found += least < 0.98 * degrees && is_sure;
+    }
+  };
+  for (const testing::Kind kind : testing::kAllKinds) {
+    testing::PointSource<3> source(kind, 7);
+    for (int run = 0; run < 300; ++run) {
+      Corners p;
+      for (Point3& corner : p) corner = source.Next();
+      check(p);
+    }
+  }
+  EXPECT_GT(sure, 100);
+  well_below = found = 0;
+  for (int run = 0; run < 20'000; ++run) {
+    Corners p;
+    for (Point3& corner : p) {
+      for (double& c : corner.c) c = within(random);
+    }
+    const double width = std::pow(10, -8 * within(random));
+    switch (run % 4) {
+      case 1:  // over a needle
+        for (int k = 0; k < 3; ++k) p[1][k] = p[0][k] + width * (p[1][k] - p[0][k]);
+        break;
+      case 2:  // near a corner
+        for (int k = 0; k < 3; ++k) p[3][k] = p[0][k] + width * (p[3][k] - p[0][k]);
+        break;
+      case 3:  // near the plane
+        for (int k = 0; k < 3; ++k) {
+          const double in_plane = 0.3 * p[0][k] + 0.5 * p[1][k] + 0.2 * p[2][k];
+          p[3][k] = in_plane + width * (p[3][k] - in_plane);
+        }
+        break;
+      default:
+        break;
+    }
+    check(p);
+  }
+  EXPECT_GT(2 * found, well_below);
 }
 
 TEST(Dihedral, FlatIsBelow) {

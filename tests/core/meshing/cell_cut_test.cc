@@ -119,9 +119,85 @@ TEST(CellCut, AnEdgeGoesThroughAFacetOrPastIt) {
     star.Insert(6, {{x, 0.1, 2}});
     for (int i = 0; i < star.slot_count(); ++i) {
       if (!SpaceStar::IsUsed(star[i]) || SpaceStar::IsGhost(star[i].id)) continue;
-      EXPECT_EQ(CellCut::GoesThrough(star.position(), star[i], facet), star[i].id == 5 && x < 1) << x;
+      EXPECT_EQ(CellCut::GoesThrough(star.position(), star[i], facet), star[i].id == 5 && x < 1)
+          << x;
     }
   }
+}
+
+// Of vertices and facets of a lattice, where cells touch facets; of others, where they do not.
+TEST(CellCut, NoFacetThatMeetsTheCellIsLeftOut) {
+  test::Random random(kSeed);
+  int met = 0, touched = 0, left_out = 0;
+  for (int round = 0; round < 3000; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(round));
+    const bool is_lattice = round % 2 == 0;
+    const double scale = round % 3 == 0 ? 1e-3 : 1, from = round % 5 == 0 ? 100 : 0;
+    const auto place = [&] {
+      Point3 p;
+      for (int k = 0; k < 3; ++k) {
+        const double at = is_lattice ? std::floor(4 * random.Unit()) : 4 * random.Unit();
+        p[k] = from + scale * at;
+      }
+      return p;
+    };
+    SpaceStar star;
+    star.Begin(0, place(), 16 * scale);
+    for (std::uint32_t i = 1; i < 40; ++i) {
+      const Point3 p = place();
+      if (p != star.position()) star.Insert(i, p);
+    }
+    CellCut cut;
+    cut.Begin(star);
+    for (int k = 0; k < 8; ++k) {
+      // A triangle, a quadrangle that may be notched, a square with a hole, or one of many corners.
+      const Point3 a = place(), b = place(), c = place();
+      const auto in_plane = [&](double s, double t) {
+        Point3 p;
+        for (int i = 0; i < 3; ++i) p[i] = a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]);
+        return p;
+      };
+      std::vector<Point3> corners = {a, b, c};
+      std::vector<std::vector<VertexIndex>> rings = {{0, 1, 2}};
+      const geometry::Vector3 n =
+          geometry::Cross(geometry::Difference(b.c, a.c), geometry::Difference(c.c, a.c));
+      if (!(geometry::Dot(n, n) > 1e-6 * scale * scale * scale * scale)) continue;
+      if (k % 4 == 1) {
+        corners.push_back(in_plane(0.25, 0.25));
+        rings = {{0, 1, 3, 2}};
+      } else if (k % 4 == 2) {
+        corners = {a, b, in_plane(1, 1), c};
+        for (const auto& [s, t] : {std::pair(0.25, 0.25), {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}})
+          corners.push_back(in_plane(s, t));
+        rings = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+      } else if (k % 4 == 3) {
+        corners.clear();
+        rings = {{}};
+        for (VertexIndex i = 0; i < 12; ++i) {
+          corners.push_back(
+              in_plane(std::cos(i * 0.5235987755982988), std::sin(i * 0.5235987755982988)));
+          rings[0].push_back(i);
+        }
+      }
+      const Facet facet(rings, 1, [&](VertexIndex v) { return corners[v]; });
+      const auto naive = cut.NaiveOf(facet);
+      const bool may_meet = cut.MayMeet(facet);
+      ASSERT_TRUE(may_meet || !naive) << k;
+      const auto found = cut.Of(facet);
+      ASSERT_EQ(found.has_value(), naive.has_value());
+      if (found) {
+        EXPECT_EQ(found->nearest, naive->nearest);
+        EXPECT_EQ(found->distance2, naive->distance2);
+        EXPECT_EQ(found->touches, naive->touches);
+      }
+      met += naive && !naive->touches ? 1 : 0;
+      touched += naive && naive->touches ? 1 : 0;
+      left_out += may_meet ? 0 : 1;
+    }
+  }
+  EXPECT_GT(met, 1000);
+  EXPECT_GT(touched, 30);
+  EXPECT_GT(left_out, 5000);
 }
 
 }  // namespace

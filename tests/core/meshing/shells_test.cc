@@ -37,6 +37,11 @@ TEST(Coarsest, IsTheRoundestNumberInARange) {
   EXPECT_EQ(Coarsest(0.3, 0.45), 0.375);
   EXPECT_EQ(Coarsest(5, 7), 6);
   EXPECT_EQ(Coarsest(0.1, 0.1), 0.1);
+  EXPECT_EQ(Coarsest(0.5, 0.75), 0.5);
+  EXPECT_EQ(Coarsest(0.4, 1), 1);
+  EXPECT_EQ(Coarsest(0.4, 5), 4);
+  EXPECT_EQ(Coarsest(0x1p-1000, 0x1.8p-1000), 0x1p-1000);
+  EXPECT_EQ(Coarsest(0x1.01p-1000, 0x1.8p-1000), 0x1.8p-1000);
   test::Random random(kSeed);
   for (int i = 0; i < 20000; ++i) {
     const double lo = std::ldexp(0.5 + random.Unit(), random.Below(80) - 40);

@@ -41,6 +41,27 @@ TEST(Numbers, EveryFiniteDoubleReadsBackBitForBit) {
   }
 }
 
+// Of any size: read at once, in blocks, or both.
+TEST(ReadWholeFile, HasEveryByte) {
+  const test::TempFolder folder;
+  std::mt19937_64 random(7);
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{255}, std::size_t{256}, std::size_t{300'000},
+        (std::size_t{1} << 24) - 1, std::size_t{1} << 24, (std::size_t{1} << 24) + 300'000}) {
+    std::string bytes(size, '\0');
+    for (char& c : bytes) c = static_cast<char>(random());
+    const auto read = ReadWholeFile(folder.Write("file", bytes));
+    ASSERT_TRUE(read.ok());
+    EXPECT_TRUE(*read == bytes) << size;
+  }
+  // Without a size, as a pipe.
+  const auto read = ReadWholeFile("/proc/self/status");
+  ASSERT_TRUE(read.ok());
+  EXPECT_NE(read->find("VmPeak"), std::string::npos);
+  EXPECT_FALSE(ReadWholeFile(folder.Path("none")).ok());
+  EXPECT_FALSE(ReadWholeFile(folder.Path("")).ok());
+}
+
 TEST(Numbers, MinusZeroKeepsItsSign) { EXPECT_EQ(FormatDouble(-0.0), "-0"); }
 
 TEST(Numbers, OnlyWholeFiniteNumbersAreTaken) {
