@@ -79,7 +79,11 @@ install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
 if(TARGET dynmesh_python)
   set(DYNMESH_PYTHON_FOLDER lib/python3/dist-packages CACHE STRING
     "Where the Python package is installed, below the prefix")
-  install(TARGETS dynmesh_python
+  set(modules dynmesh_python)
+  if(TARGET dynmesh_python_service)
+    list(APPEND modules dynmesh_python_service)
+  endif()
+  install(TARGETS ${modules}
     LIBRARY DESTINATION ${DYNMESH_PYTHON_FOLDER}/dynmesh COMPONENT python)
   install(DIRECTORY client/python/dynmesh DESTINATION ${DYNMESH_PYTHON_FOLDER} COMPONENT python
     FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN __pycache__ EXCLUDE)

@@ -409,10 +409,12 @@ class Packages(Folder):
         package = SOURCE / "client/python/dynmesh"
         sources = {path.relative_to(package).as_posix() for path in package.rglob("*.py*")
                    if path.is_file() and "__pycache__" not in path.parts} | {"py.typed"}
-        (module,) = [name for name in files if name.endswith(".so")]
-        self.assertRegex(module, rf"^{folder}/dynmesh/_core\.cpython-\d+-[a-z0-9_-]+\.so$")
+        modules = sorted(name for name in files if name.endswith(".so"))
+        self.assertEqual(len(modules), 2)
+        for module, name in zip(modules, ("_core", "_service")):
+            self.assertRegex(module, rf"^{folder}/dynmesh/{name}\.cpython-\d+-[a-z0-9_-]+\.so$")
         self.assertEqual(set(files), {
-            module,
+            *modules,
             *(f"{folder}/dynmesh/{name}" for name in sources),
             f"{folder}/dynmesh-{version()}.dist-info/METADATA",
             "/usr/share/doc/python3-dynmesh/CHANGELOG.md",

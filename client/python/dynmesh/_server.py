@@ -92,6 +92,13 @@ def _pem(text: Pem) -> str:
     return pathlib.Path(text).read_text(encoding="ascii")
 
 
+def _client_class() -> Any:
+    """The extension module's client. It alone needs gRPC, so it is imported by the first `connect`."""
+    from dynmesh import _service
+
+    return _service.Client
+
+
 class Server:
     """A server's meshes. A context manager; thread-safe."""
 
@@ -100,8 +107,8 @@ class Server:
                  from_followers: bool) -> None:
         #: The given "host:port".
         self.address: str = address
-        self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
-                                    _pem(tls_key), timeout, from_followers)
+        self._client = _client_class()(address, token, _pem(tls_ca), _pem(tls_certificate),
+                                       _pem(tls_key), timeout, from_followers)
         self._retry_for = retry_for
         self._version_fits = any_version
 
