@@ -1,6 +1,7 @@
 """Meshes at a server, and meshes in this process."""
 from __future__ import annotations
 
+import importlib.util
 import logging
 import os
 import pathlib
@@ -94,6 +95,9 @@ def _pem(text: Pem) -> str:
 
 def _client_class() -> Any:
     """The extension module's client. It alone needs gRPC, so it is imported by the first `connect`."""
+    if importlib.util.find_spec("dynmesh._service") is None:
+        raise ImportError("this dynmesh is of a wheel, which has no client of servers: that is in "
+                          "Debian's package python3-dynmesh, and in builds of the sources")
     from dynmesh import _service
 
     return _service.Client
