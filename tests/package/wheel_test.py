@@ -2,9 +2,9 @@
 
     wheel_test.py BUILD Wheel | Sdist
 
-`Wheel` makes it of the build's modules and installs it in an environment of its own, which has Debian's
-numpy (and for an example SciPy and meshio) beside it, no compiler and no library path. `Sdist` compiles
-the source distribution for such an environment.
+`Wheel` makes it of the build's modules and installs it in an environment of its own, which has
+Debian's numpy (and for an example SciPy and meshio) beside it, no compiler and no library path.
+`Sdist` compiles the source distribution for such an environment.
 Exit codes: 0 good, 1 not.
 """
 
@@ -32,10 +32,10 @@ LONGEST = 0.15  # seconds of processor time to import it after numpy
 COMPILERS = ("cc", "c++", "gcc", "g++", "clang", "cmake", "ninja", "make")
 
 
-def run(*command, timeout=800, **options):
+def run(*command, timeout=7000, **options):
     said = subprocess.run(
-        [str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        check=False, timeout=timeout, **options)
+        [str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, check=False, timeout=timeout, **options)
     if said.returncode != 0:
         raise AssertionError(f"{' '.join(map(str, command))}\n{said.stdout}")
     return said.stdout
@@ -163,8 +163,8 @@ class Wheel(Made):
     def test_programs_run(self):
         self.check_program()
         # An example, which judges itself.
-        self.environment.run("-B", SOURCE / "examples/heat_crack.py", "--edge", "0.1", "--steps", "3",
-                             "--out", self.folder / "heat")
+        self.environment.run("-B", SOURCE / "examples/heat_crack.py", "--edge", "0.1",
+                             "--steps", "3", "--out", self.folder / "heat")
         said = self.environment.run(SOURCE / "tests/package/consumer/compat.py")
         self.assertEqual(said.split(), ["triangle", "meshpy.triangle", "meshpy.tet", "tetgen"])
 

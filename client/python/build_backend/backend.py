@@ -5,6 +5,8 @@
 
 A wheel has the extension module, the command `dynmesh` without what uses a server, the package's
 sources and the licences of what is linked. Its tag says which C library it needs, by the symbols.
+`pip install` of a clone makes another one: with the client of a server, linked with the libraries
+of this machine.
 """
 from __future__ import annotations
 
@@ -91,19 +93,24 @@ def _licences() -> Files:
     return files
 
 
-def _configure_and_build() -> pathlib.Path:
-    tree = _SOURCE / "build" / "wheel"
+def _has_service() -> bool:
+    """A clone has the protocol, a source distribution has not."""
+    return (_SOURCE / "proto/CMakeLists.txt").exists()
+
+
+def _configure_and_build(service: bool) -> pathlib.Path:
+    tree = _SOURCE / "build" / ("wheel-service" if service else "wheel")
     jobs = os.environ.get("DYNMESH_JOBS", str(os.cpu_count() or 1))
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     subprocess.run(
         ["cmake", "-S", str(_SOURCE), "-B", str(tree), *generator, "-DCMAKE_BUILD_TYPE=Release",
          "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=16", "-DDYNMESH_WERROR=OFF",
-         "-DDYNMESH_SERVICE=OFF", "-DDYNMESH_FILES=ON", "-DDYNMESH_PYTHON=ON", "-DDYNMESH_C=OFF",
-         "-DDYNMESH_TESTS=OFF",
+         f"-DDYNMESH_SERVICE={'ON' if service else 'OFF'}", "-DDYNMESH_FILES=ON",
+         "-DDYNMESH_PYTHON=ON", "-DDYNMESH_C=OFF", "-DDYNMESH_TESTS=OFF",
          "-DDYNMESH_BENCHMARKS=OFF", "-DDYNMESH_INSTALL=OFF",
          f"-DPython3_EXECUTABLE={sys.executable}"], check=True)
-    subprocess.run(["cmake", "--build", str(tree), "-j", jobs, "--target", "dynmesh_wheel"],
-                   check=True)
+    subprocess.run(["cmake", "--build", str(tree), "-j", jobs, "--target",
+                    "dynmesh_python" if service else "dynmesh_wheel"], check=True)
     return tree
 
 
@@ -131,20 +138,22 @@ def _written(folder: pathlib.Path, name: str, files: Files, programs: list[str])
             out.writestr(entry, data)
 
 
-def _wheel(folder: pathlib.Path, tree: pathlib.Path) -> str:
+def _wheel(folder: pathlib.Path, tree: pathlib.Path, service: bool) -> str:
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
-    module = tree / "wheel/dynmesh" / f"_core{suffix}"
-    if not module.exists():  # another Abseil than Debian's: with the libraries of this machine
-        module = tree / "python/dynmesh" / f"_core{suffix}"
+    modules = [tree / "wheel/dynmesh" / f"_core{suffix}"]
+    if service or not modules[0].exists():  # with the libraries of this machine
+        modules = [tree / "python/dynmesh" / f"_core{suffix}"]
+    if service:
+        modules.append(tree / "python/dynmesh" / f"_service{suffix}")
     command = tree / "wheel/bin/dynmesh"
-    binaries = [path for path in (module, command) if path.exists()]
+    binaries = [*modules, *([command] if command.exists() else [])]
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     tag = f"{python}-{python}-{platform_of(binaries)}"
     info = f"dynmesh-{version()}.dist-info"
     package = _PACKAGE / "dynmesh"
     files: Files = {f"dynmesh/{path.relative_to(package).as_posix()}": path
                     for path in sorted(_sources())}
-    files[f"dynmesh/{module.name}"] = module
+    files.update({f"dynmesh/{module.name}": module for module in modules})
     script = f"dynmesh-{version()}.data/scripts/dynmesh"
     if command.exists():
         files[script] = command
@@ -154,14 +163,15 @@ def _wheel(folder: pathlib.Path, tree: pathlib.Path) -> str:
         f"Tag: {tag}", ""]).encode()
     files.update({f"{info}/licenses/{name}": text for name, text in _licences().items()})
     name = f"dynmesh-{version()}-{tag}.whl"
-    _written(folder, name, files, [script, f"dynmesh/{module.name}"])
+    _written(folder, name, files, [script, *(f"dynmesh/{module.name}" for module in modules)])
     return name
 
 
 def build_wheel(wheel_directory: str, config_settings: Any = None,
                 metadata_directory: Optional[str] = None) -> str:
-    """PEP 517. The build is in build/wheel; what was built before stays."""
-    return _wheel(pathlib.Path(wheel_directory), _configure_and_build())
+    """PEP 517. The build is in build/wheel...; what was built before stays."""
+    service = _has_service()
+    return _wheel(pathlib.Path(wheel_directory), _configure_and_build(service), service)
 
 
 def prepare_metadata_for_build_wheel(metadata_directory: str, config_settings: Any = None) -> str:
@@ -220,8 +230,8 @@ def main(arguments: list[str]) -> int:
     if arguments[0] == "sdist":
         print(out / build_sdist(str(out)))
     else:
-        tree = pathlib.Path(arguments[2]) if len(arguments) > 2 else _configure_and_build()
-        print(out / _wheel(out, tree))
+        tree = pathlib.Path(arguments[2]) if len(arguments) > 2 else _configure_and_build(False)
+        print(out / _wheel(out, tree, False))
     return 0
 
 

@@ -2,8 +2,8 @@
 
     c_test.py LIBRARY PACKAGES CC CXX ALONE Programs | Fortran | Rust | Ctypes | Symbols
 
-LIBRARY is libdynmesh.so.0, PACKAGES a folder with the Python package, ALONE 1 if the library has inside
-what it is linked with. Exit codes: 0 good, 1 not, 77 not run, because a compiler is not installed.
+LIBRARY is libdynmesh.so.0, PACKAGES a folder with the Python package, ALONE 1 if the library has
+inside what it is linked with. Exit codes: 0 good, 1 not, 77 not run, because a compiler is not installed.
 """
 
 import os
@@ -50,7 +50,8 @@ class Built(unittest.TestCase):
 class Programs(Built):
     def compiled(self, name):
         program = self.folder / name
-        run(CC, "-std=c11", "-O1", *WARNINGS, f"-I{HEADERS}", HERE / f"{name}.c", "-o", program, *LINKED)
+        run(CC, "-std=c11", "-O1", *WARNINGS, f"-I{HEADERS}", HERE / f"{name}.c", "-o", program,
+            *LINKED)
         return program
 
     def test_a_crack(self):
@@ -76,8 +77,8 @@ class Programs(Built):
 
 class Fortran(Built):
     def test_a_crack(self):
-        run("gfortran", "-std=f2018", "-O1", "-Wall", "-Werror", f"-J{self.folder}", HERE / "crack.f90",
-            "-o", self.folder / "crack", *LINKED)
+        run("gfortran", "-std=f2018", "-O1", "-Wall", "-Werror", f"-J{self.folder}",
+            HERE / "crack.f90", "-o", self.folder / "crack", *LINKED)
         self.check_crack(self.folder / "crack")
 
 
