@@ -90,7 +90,8 @@ endfunction()
 install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
 if(TARGET dynmesh_c)
   install_documents(library libdynmesh0 LICENSE CHANGELOG.md)
-  install_licences(library libdynmesh0 libabsl-dev zlib1g-dev)
+  string(REGEX MATCH "^[0-9]+" compiler "${CMAKE_CXX_COMPILER_VERSION}")
+  install_licences(library libdynmesh0 libabsl-dev zlib1g-dev libstdc++-${compiler}-dev)
 endif()
 
 # ---- the Python package

@@ -497,8 +497,11 @@ class Packages(Folder):
 
     def test_the_library_for_c_needs_the_c_library(self):
         files = self.listing("libdynmesh0")
-        self.assertTrue([name for name in files if name.endswith("/libdynmesh.so.0")])
+        (link,) = [name for name in files if "/libdynmesh.so.0 -> " in name]
+        library, _, target = link.partition(" -> ")
+        self.assertEqual(files[library.rsplit("/", 1)[0] + "/" + target][0], "-rw-r--r--")
         self.assertIn("/usr/share/doc/libdynmesh0/copyright.libabsl-dev", files)
+        self.assertTrue([name for name in files if "/copyright.libstdc++-" in name])
         self.assertRegex(self.field("libdynmesh0", "Depends"), r"^libc6 \(>= [0-9.]+\)$")
 
 
@@ -507,4 +510,4 @@ if __name__ == "__main__":
     if absent:
         print(f"package_test: not run: not installed: {', '.join(absent)}")
         sys.exit(NOT_RUN)
-    unittest.main(argv=[sys.argv[0], sys.argv[3]], verbosity=2)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
