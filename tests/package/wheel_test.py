@@ -18,6 +18,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zipfile
 
@@ -175,12 +176,37 @@ class Wheel(Made):
         self.assertIn(self.expected_hash(), said)
         self.assertNotIn("--server", self.environment.run("mesh", "--help", program="dynmesh"))
 
-    def test_a_connection_says_where_the_client_is(self):
+    def test_a_connection_without_grpcio_says_what_is_missing(self):
         said = self.environment.run("-c", """
 import dynmesh
 try: dynmesh.connect("localhost:1")
 except ImportError as error: print(error)""")
-        self.assertIn("python3-dynmesh", said)
+        self.assertIn("dynmesh[service]", said)
+
+    def test_a_mesh_of_a_server(self):
+        beside = self.folder / "beside"
+        beside.mkdir()
+        for name in ("grpc", "google", "six.py"):
+            (beside / name).symlink_to(DEBIAN / name)
+        port = self.folder / "port"
+        with subprocess.Popen([BUILD / "bin/dynmeshd", "--listen", "127.0.0.1:0", "--port-file",
+                               port], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
+            try:
+                until = time.monotonic() + 60
+                while not (port.exists() and port.read_text()) and time.monotonic() < until:
+                    time.sleep(0.02)
+                said = self.environment.run("-c", f"""
+import sys
+sys.path.append({str(beside)!r})
+import dynmesh
+with dynmesh.connect("127.0.0.1:{port.read_text().strip()}") as server:
+    mesh = server.create(box=[[0, 0], [10, 10]])
+    mesh.apply(add_points={{1: (2, 2), 2: (7, 4), 3: (2.1, 2.3)}})
+    mesh.apply(add_segments={{4: (1, 2)}})
+    print(mesh.hash)""")
+            finally:
+                server.terminate()
+        self.assertEqual(said.strip(), self.expected_hash())
 
     def test_it_is_imported_fast(self):
         said = [float(self.environment.run("-I", "-c", """

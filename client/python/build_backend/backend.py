@@ -22,6 +22,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import tempfile
 import zipfile
 from typing import Any, Iterator, Optional, Union
 
@@ -32,6 +33,7 @@ _SOURCES = ("*.py", "*.pyi", "py.typed")
 _SHIPPED = ("CMakeLists.txt", "LICENSE", "README.md", "CHANGELOG.md", "cmake", "core",
             "client/CMakeLists.txt", "client/cleaning", "client/cli", "client/preparation",
             "client/python", "client/verify")
+_PROTOCOL = ("geometry", "mesh", "mesh_service", "status_details")
 _NOT_SHIPPED = ("client/cli/remote",)
 # Debian's packages with what is inside the binaries: their file `copyright` is the licence. Of the
 # compiler's own library: COMPILER is the first number of its version.
@@ -119,6 +121,18 @@ def _sources() -> Iterator[pathlib.Path]:
         yield from (_PACKAGE / "dynmesh").rglob(pattern)
 
 
+def _messages() -> Files:
+    """The protocol in Python, by names below the package. A source distribution has it already."""
+    if not _has_service():
+        return {}
+    with tempfile.TemporaryDirectory() as out:
+        subprocess.run(
+            ["protoc", f"--python_out={out}", "-I", str(_SOURCE / "proto"),
+             *(f"dynmesh/v1/{name}.proto" for name in _PROTOCOL)], check=True)
+        return {f"v1/{path.name}": path.read_bytes()
+                for path in sorted((pathlib.Path(out) / "dynmesh/v1").glob("*.py"))}
+
+
 def _written(folder: pathlib.Path, name: str, files: Files, programs: list[str]) -> None:
     """A wheel `name` of files by their names in it, with its RECORD."""
     info = f"dynmesh-{version()}.dist-info"
@@ -154,6 +168,7 @@ def _wheel(folder: pathlib.Path, tree: pathlib.Path, service: bool) -> str:
     files: Files = {f"dynmesh/{path.relative_to(package).as_posix()}": path
                     for path in sorted(_sources())}
     files.update({f"dynmesh/{module.name}": module for module in modules})
+    files.update({f"dynmesh/{name}": text for name, text in _messages().items()})
     script = f"dynmesh-{version()}.data/scripts/dynmesh"
     if command.exists():
         files[script] = command
@@ -204,6 +219,8 @@ def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:
     project = project.replace('["build_backend"]', '["client/python/build_backend"]')
     project = project[:project.index("[tool.")].rstrip() + "\n"
     contents = {name: (_SOURCE / name).read_bytes() for name in _shipped()}
+    contents.update({f"client/python/dynmesh/{name}": text if isinstance(text, bytes) else
+                     text.read_bytes() for name, text in _messages().items()})
     contents.update({"pyproject.toml": project.encode(), "PKG-INFO": _metadata().encode()})
     name = f"{root}.tar.gz"
     unpacked = io.BytesIO()
@@ -211,8 +228,7 @@ def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:
         for path, data in sorted(contents.items()):
             entry = tarfile.TarInfo(f"{root}/{path}")
             entry.size, entry.mtime = len(data), _EPOCH
-            is_program = path != "pyproject.toml" and path != "PKG-INFO" and \
-                os.access(_SOURCE / path, os.X_OK)
+            is_program = os.access(_SOURCE / path, os.X_OK)
             entry.mode = 0o755 if is_program else 0o644
             out.addfile(entry, io.BytesIO(data))
     packed = gzip.compress(unpacked.getvalue(), mtime=_EPOCH)

@@ -94,13 +94,23 @@ def _pem(text: Pem) -> str:
 
 
 def _client_class() -> Any:
-    """The extension module's client. It alone needs gRPC, so it is imported by the first `connect`."""
-    if importlib.util.find_spec("dynmesh._service") is None:
-        raise ImportError("this dynmesh is of a wheel, which has no client of servers: that is in "
-                          "Debian's package python3-dynmesh, and in builds of the sources")
-    from dynmesh import _service
+    """The client: of the extension module `_service`, which links gRPC, or else over grpcio.
 
-    return _service.Client
+    Imported by the first `connect`.
+    """
+    if importlib.util.find_spec("dynmesh._service") is not None:
+        from dynmesh import _service
+
+        return _service.Client
+    try:
+        import google.protobuf
+        import grpc
+    except ImportError as error:
+        raise ImportError("the client of a server needs the packages grpcio and protobuf: "
+                          "pip install 'dynmesh[service]'") from error
+    from dynmesh import _grpcio
+
+    return _grpcio.Client
 
 
 class Server:

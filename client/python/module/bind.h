@@ -43,6 +43,7 @@ void BindMesh(pybind11::module_& module);
 void BindTransfer(pybind11::module_& module);
 void BindPart(pybind11::module_& module);
 void BindFiles(pybind11::module_& module);
+void BindColumns(pybind11::module_& module);
 // Of `_service`.
 void BindClient(pybind11::module_& module);
 

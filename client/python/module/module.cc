@@ -31,4 +31,5 @@ PYBIND11_MODULE(_core, module) {
   dynmesh::python::BindPart(module);
   dynmesh::python::BindTransfer(module);
   dynmesh::python::BindFiles(module);
+  dynmesh::python::BindColumns(module);
 }
