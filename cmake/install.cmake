@@ -1,11 +1,11 @@
 # The files of `cmake --install`. The components are Debian's packages (package.cmake): `service`
-# has the programs and the unit of dynmeshd, `development` the libraries and headers, `python` the
-# Python package.
+# has the programs and the unit of dynmeshd, `development` the libraries and headers, `library` the
+# shared library for C, `python` the Python package.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # ---- the libraries
-# They are static (core/CMakeLists.txt), whatever BUILD_SHARED_LIBS is: the interface passes
+# Those of C++ are static (core/CMakeLists.txt), whatever BUILD_SHARED_LIBS is: the interface passes
 # containers, including Abseil's, by value, so it is stable only for the same compiler and Abseil.
 # So there is no VERSION or SOVERSION; programs can check dynmesh/version.h.
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/dynmesh)
@@ -66,20 +66,44 @@ install(FILES
   ${CMAKE_CURRENT_BINARY_DIR}/dynmesh-config-version.cmake
   DESTINATION ${config_folder} COMPONENT development)
 
+# ---- the C interface
+if(TARGET dynmesh_c)
+  install(TARGETS dynmesh_c LIBRARY
+    DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+  install(FILES client/c/dynmesh.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+  install_pc(dynmesh-c.pc)
+endif()
+
 # ---- documents; Debian expects the licence in `copyright`
 function(install_documents component folder)
   install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
   install(FILES LICENSE RENAME copyright
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
 endfunction()
+# install_licences(COMPONENT FOLDER PACKAGES...): those of archives that are linked in (link-archives).
+function(install_licences component folder)
+  foreach(package ${ARGN})
+    install(FILES /usr/share/doc/${package}/copyright RENAME copyright.${package}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component} OPTIONAL)
+  endforeach()
+endfunction()
 install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
+if(TARGET dynmesh_c)
+  install_documents(library libdynmesh0 LICENSE CHANGELOG.md)
+  string(REGEX MATCH "^[0-9]+" compiler "${CMAKE_CXX_COMPILER_VERSION}")
+  install_licences(library libdynmesh0 libabsl-dev zlib1g-dev libstdc++-${compiler}-dev)
+endif()
 
 # ---- the Python package
 # Debian's Python searches there with the prefix /usr; with another prefix set PYTHONPATH.
 if(TARGET dynmesh_python)
   set(DYNMESH_PYTHON_FOLDER lib/python3/dist-packages CACHE STRING
     "Where the Python package is installed, below the prefix")
-  install(TARGETS dynmesh_python
+  set(modules dynmesh_python)
+  if(TARGET dynmesh_python_service)
+    list(APPEND modules dynmesh_python_service)
+  endif()
+  install(TARGETS ${modules}
     LIBRARY DESTINATION ${DYNMESH_PYTHON_FOLDER}/dynmesh COMPONENT python)
   install(DIRECTORY client/python/dynmesh DESTINATION ${DYNMESH_PYTHON_FOLDER} COMPONENT python
     FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN __pycache__ EXCLUDE)
@@ -99,11 +123,8 @@ if(TARGET dynmesh_cli AND TARGET dynmeshd)
   install(FILES ${pages}/dynmesh.bash RENAME dynmesh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT service)
   install_documents(service dynmesh LICENSE CHANGELOG.md deploy/RUNBOOK.md)
-  # Of the archives that are linked into `dynmesh` (link-archives).
-  foreach(package libabsl-dev libc-ares-dev libgrpc-dev libprotobuf-dev libre2-dev)
-    install(FILES /usr/share/doc/${package}/copyright RENAME copyright.${package}
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dynmesh COMPONENT service OPTIONAL)
-  endforeach()
+  install_licences(service dynmesh
+    libabsl-dev libc-ares-dev libgrpc-dev libprotobuf-dev libre2-dev)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/install_service.cmake.in install_service.cmake @ONLY)
   install(SCRIPT ${CMAKE_CURRENT_BINARY_DIR}/install_service.cmake COMPONENT service)
 endif()

@@ -27,7 +27,7 @@ html_copy_source = False
 default_role = "code"
 
 # The sources alone are read: nothing has to be built.
-autodoc_mock_imports = ["dynmesh._core", "numpy"]
+autodoc_mock_imports = ["dynmesh._core", "dynmesh._service", "numpy"]
 autodoc_default_options = {"members": True, "undoc-members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
 autodoc_type_aliases = {"Array": "Array", "Kind": "Kind", "Pem": "Pem", "Progress": "Progress"}

@@ -199,6 +199,14 @@ class Installed(Folder):
         program = self.build_by_pkg_config("dynmesh", "consumer", CONSUMER / "main.cc")
         self.assertEqual(run(program).split(), [version(), expected_hash()])
 
+    def test_a_program_in_c_is_built_with_pkg_config(self):
+        path = next(self.prefix.rglob("dynmesh-c.pc")).parent
+        flags = self.pkg_config("--cflags", "--libs", "dynmesh-c")
+        program = self.folder / "crack"
+        run("cc", "-std=c11", *WARNINGS, SOURCE / "tests/client/c/crack.c", "-o", program, *flags)
+        said = run(program, env={**os.environ, "LD_LIBRARY_PATH": str(path.parent)})
+        self.assertRegex(said, "^[0-9a-f]{32} ")
+
     def test_a_program_on_the_engine_is_built_with_pkg_config(self):
         program = self.build_by_pkg_config("dynmesh", "consumer_engine",
                                            SOURCE / "examples/maximum.cc")
@@ -379,7 +387,7 @@ class Packages(Folder):
         return run("dpkg-deb", "-f", self.debs[package], name).strip()
 
     def test_there_is_one_for_each_purpose(self):
-        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev",
+        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev", "libdynmesh0",
                                           *(["python3-dynmesh"] if HAS_PYTHON else [])})
         for package in self.debs:
             self.assertEqual(self.field(package, "Version"), f"{version()}-1")
@@ -415,10 +423,12 @@ class Packages(Folder):
         package = SOURCE / "client/python/dynmesh"
         sources = {path.relative_to(package).as_posix() for path in package.rglob("*.py*")
                    if path.is_file() and "__pycache__" not in path.parts} | {"py.typed"}
-        (module,) = [name for name in files if name.endswith(".so")]
-        self.assertRegex(module, rf"^{folder}/dynmesh/_core\.cpython-\d+-[a-z0-9_-]+\.so$")
+        modules = sorted(name for name in files if name.endswith(".so"))
+        self.assertEqual(len(modules), 2)
+        for module, name in zip(modules, ("_core", "_service")):
+            self.assertRegex(module, rf"^{folder}/dynmesh/{name}\.cpython-\d+-[a-z0-9_-]+\.so$")
         self.assertEqual(set(files), {
-            module,
+            *modules,
             *(f"{folder}/dynmesh/{name}" for name in sources),
             f"{folder}/dynmesh-{version()}.dist-info/METADATA",
             "/usr/share/doc/python3-dynmesh/CHANGELOG.md",
@@ -477,16 +487,28 @@ class Packages(Folder):
         include |= {f"dynmesh/sac/{path.name}" for path in engine}
         self.assertEqual(
             {name for name in files if name.endswith(".h")},
-            {f"/usr/include/{name}" for name in include},
+            {f"/usr/include/{name}" for name in {*include, "dynmesh.h"}},
         )
         tails = {re.sub(r"^/usr/lib(/[^/]+-linux-gnu)?/", "", name) for name in files}
         self.assertLessEqual({
             "libdynmesh.a", "libdynmesh_client.a", "libdynmesh_files.a", "cmake/dynmesh/dynmesh-config.cmake",
             "cmake/dynmesh/dynmesh-config-version.cmake", "cmake/dynmesh/dynmesh-targets.cmake",
             "pkgconfig/dynmesh.pc", "pkgconfig/dynmesh-client.pc", "pkgconfig/dynmesh-files.pc",
+            "pkgconfig/dynmesh-c.pc",
         }, tails)
         self.assertFalse([name for name in files if "/bin/" in name or "journal" in name])
-        self.assertIn("libabsl-dev", self.field("libdynmesh-dev", "Depends"))
+        depends = self.field("libdynmesh-dev", "Depends")
+        self.assertIn("libabsl-dev", depends)
+        self.assertIn(f"libdynmesh0 (= {version()}-1)", depends)
+
+    def test_the_library_for_c_needs_the_c_library(self):
+        files = self.listing("libdynmesh0")
+        (link,) = [name for name in files if "/libdynmesh.so.0 -> " in name]
+        library, _, target = link.partition(" -> ")
+        self.assertEqual(files[library.rsplit("/", 1)[0] + "/" + target][0], "-rw-r--r--")
+        self.assertIn("/usr/share/doc/libdynmesh0/copyright.libabsl-dev", files)
+        self.assertTrue([name for name in files if "/copyright.libstdc++-" in name])
+        self.assertRegex(self.field("libdynmesh0", "Depends"), r"^libc6 \(>= [0-9.]+\)$")
 
 
 if __name__ == "__main__":
@@ -494,4 +516,4 @@ if __name__ == "__main__":
     if absent:
         print(f"package_test: not run: not installed: {', '.join(absent)}")
         sys.exit(NOT_RUN)
-    unittest.main(argv=[sys.argv[0], sys.argv[3]], verbosity=2)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

@@ -1,7 +1,6 @@
 """A mesh in process or at a server, kept up to date, and the fields on it."""
 from __future__ import annotations
 
-import asyncio
 import threading
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -358,6 +357,8 @@ class Mesh(Writable):
 
     async def follow_async(self, timeout: Optional[float] = None) -> AsyncIterator[Diff]:
         """`follow` with its `timeout` for asyncio; waits in a thread."""
+        import asyncio  # a third of the time that an import of the package takes
+
         events = self._backend.follow(self, timeout)
         try:
             while True:

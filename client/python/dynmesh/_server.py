@@ -1,6 +1,7 @@
 """Meshes at a server, and meshes in this process."""
 from __future__ import annotations
 
+import importlib.util
 import logging
 import os
 import pathlib
@@ -92,6 +93,26 @@ def _pem(text: Pem) -> str:
     return pathlib.Path(text).read_text(encoding="ascii")
 
 
+def _client_class() -> Any:
+    """The client: of the extension module `_service`, which links gRPC, or else over grpcio.
+
+    Imported by the first `connect`.
+    """
+    if importlib.util.find_spec("dynmesh._service") is not None:
+        from dynmesh import _service
+
+        return _service.Client
+    try:
+        import google.protobuf
+        import grpc
+    except ImportError as error:
+        raise ImportError("the client of a server needs the packages grpcio and protobuf: "
+                          "pip install 'dynmesh[service]'") from error
+    from dynmesh import _grpcio
+
+    return _grpcio.Client
+
+
 class Server:
     """A server's meshes. A context manager; thread-safe."""
 
@@ -100,8 +121,8 @@ class Server:
                  from_followers: bool) -> None:
         #: The given "host:port".
         self.address: str = address
-        self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
-                                    _pem(tls_key), timeout, from_followers)
+        self._client = _client_class()(address, token, _pem(tls_ca), _pem(tls_certificate),
+                                       _pem(tls_key), timeout, from_followers)
         self._retry_for = retry_for
         self._version_fits = any_version
 

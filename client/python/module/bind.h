@@ -1,4 +1,6 @@
-// The parts of the extension module; each adds its classes.
+// The parts of the extension modules; each adds its classes. `_core` has all but the client, which
+// is
+// `_service`: that one alone needs gRPC. They share the types that `_core` binds.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_BIND_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_BIND_H_
 
@@ -39,9 +41,11 @@ void Write(const Mesh& mesh, const pybind11::dict& options, const std::string& p
 void BindEdits(pybind11::module_& module);
 void BindMesh(pybind11::module_& module);
 void BindTransfer(pybind11::module_& module);
-void BindClient(pybind11::module_& module);
 void BindPart(pybind11::module_& module);
 void BindFiles(pybind11::module_& module);
+void BindColumns(pybind11::module_& module);
+// Of `_service`.
+void BindClient(pybind11::module_& module);
 
 }  // namespace dynmesh::python
 

@@ -1,13 +1,21 @@
 // Converts statuses to Python exceptions, which dynmesh.errors makes.
+//
+// What a status has beside code and message is known to the modules: of the service, more.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_STATUS_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_STATUS_H_
 
+#include <pybind11/pybind11.h>
+
+#include <cstddef>
 #include <exception>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "dynmesh/feature.h"
 
 namespace dynmesh::python {
 
@@ -31,6 +39,42 @@ template <class T>
 T Value(absl::StatusOr<T> result) {
   if (!result.ok()) throw StatusError(result.status());
   return *std::move(result);
+}
+
+// Of an exception; members as those of DynmeshError.
+struct ErrorFields {
+  std::string reason, field;
+  std::vector<FeatureId> features;
+  std::optional<std::size_t> edit;
+  std::optional<double> retry_after;  // in seconds
+};
+
+// Sets Python's exception. Needs the GIL.
+inline void Raise(const absl::Status& status, const ErrorFields& fields) {
+  namespace py = pybind11;
+  py::list features;
+  for (const FeatureId id : fields.features) features.append(id);
+  const auto or_none = [](const auto& value) -> py::object {
+    return value ? py::cast(*value) : py::none();
+  };
+  const py::object error =
+      py::module_::import("dynmesh.errors")
+          .attr("make")(absl::StatusCodeToString(status.code()), std::string(status.message()),
+                        fields.reason, features, or_none(fields.edit), fields.field,
+                        or_none(fields.retry_after));
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+}
+
+// Has exceptions of this module raised as `fields_of` describes their statuses.
+template <ErrorFields fields_of(const absl::Status&)>
+void RaiseStatuses() {
+  pybind11::register_local_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const StatusError& error) {
+      Raise(error.status(), fields_of(error.status()));
+    }
+  });
 }
 
 }  // namespace dynmesh::python

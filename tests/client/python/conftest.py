@@ -10,6 +10,12 @@ import pytest
 
 import dynmesh
 
+if os.environ.get("DYNMESH_TEST_CLIENT") == "grpcio":  # that of a wheel
+    import dynmesh._grpcio
+    import dynmesh._server
+
+    dynmesh._server._client_class = lambda: dynmesh._grpcio.Client
+
 
 class Daemon:
     """A server that can be ended, killed and started again with its journal."""

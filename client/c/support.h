@@ -1,0 +1,71 @@
+// Between C and C++: errors, columns, and no exception across.
+#ifndef DYNMESH_CLIENT_C_SUPPORT_H_
+#define DYNMESH_CLIENT_C_SUPPORT_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/c/dynmesh.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::c {
+
+// The code of `status`; describes it in `error` unless that is null.
+int Report(const absl::Status& status, dynmesh_error* error) noexcept;
+
+// The code of the status that `f` returns. What it throws becomes one.
+template <class F>
+int Guarded(dynmesh_error* error, F f) noexcept {
+  try {
+    return Report(f(), error);
+  } catch (const std::bad_alloc&) {
+    return Report(absl::ResourceExhaustedError("memory ran out"), error);
+  } catch (const std::exception& e) {
+    return Report(absl::InternalError(e.what()), error);
+  } catch (...) {
+    return Report(absl::InternalError("an unknown exception"), error);
+  }
+}
+
+template <class T>
+constexpr std::int32_t kTypeOf = std::is_same_v<T, double>          ? DYNMESH_F64
+                                 : std::is_same_v<T, std::int32_t>  ? DYNMESH_I32
+                                 : std::is_same_v<T, std::uint64_t> ? DYNMESH_U64
+                                 : std::is_same_v<T, std::uint8_t>  ? DYNMESH_U8
+                                                                    : DYNMESH_I64;
+
+// A column of the library's: `width` values a row.
+template <class T>
+dynmesh_column ColumnOf(std::span<const T> values, std::size_t width = 1) {
+  return {values.data(), values.size() / width, static_cast<std::ptrdiff_t>(width * sizeof(T)),
+          static_cast<std::int32_t>(width), kTypeOf<T>};
+}
+
+// INVALID_ARGUMENT unless `column` has values of this type and `least` to `most` of them a row.
+absl::Status CheckColumn(const dynmesh_column& column, const char* name, std::int32_t type,
+                         std::int32_t least, std::int32_t most);
+
+// The first value of row `i` of a column that CheckColumn has accepted.
+template <class T>
+const T* RowOf(const dynmesh_column& column, std::size_t i) {
+  return reinterpret_cast<const T*>(static_cast<const char*>(column.data) +
+                                    static_cast<std::ptrdiff_t>(i) * column.stride);
+}
+
+// A column of one u64 a row. INVALID_ARGUMENT as CheckColumn.
+absl::Status ReadIds(const dynmesh_column& column, const char* name,
+                     std::vector<std::uint64_t>* ids);
+
+MeshOptions OptionsOf(const dynmesh_options& options);
+void SetOptions(const MeshOptions& from, dynmesh_options* to);
+
+}  // namespace dynmesh::c
+
+#endif  // DYNMESH_CLIENT_C_SUPPORT_H_

@@ -1,0 +1,1 @@
+"""The protocol's messages, which protoc makes of proto/dynmesh/v1."""

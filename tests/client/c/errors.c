@@ -1,0 +1,254 @@
+/* What dynmesh.h says of errors, strides, files and callbacks. Ends with 0 if all holds. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dynmesh.h"
+
+#define EXPECT(holds)                                          \
+  do {                                                         \
+    if (!(holds)) {                                            \
+      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #holds); \
+      ++failures;                                              \
+    }                                                          \
+  } while (0)
+
+static int failures = 0;
+
+static int at_once(void *context) {
+  ++*(int *)context;
+  return 1;
+}
+
+/* Rows of a program: what the library wants lies between other things. */
+struct node {
+  uint64_t id;
+  double weight, x, y;
+};
+
+static const struct node kNodes[] = {{1, 7, 0.25, 0.25}, {2, 7, 0.75, 0.25}, {3, 7, 0.5, 0.75}};
+
+static dynmesh_column ids_of_nodes(size_t rows) {
+  dynmesh_column c = {&kNodes[0].id, rows, sizeof(struct node), 1, DYNMESH_U64};
+  return c;
+}
+static dynmesh_column places_of_nodes(size_t rows) {
+  dynmesh_column c = {&kNodes[0].x, rows, sizeof(struct node), 2, DYNMESH_F64};
+  return c;
+}
+
+static void columns_are_checked(dynmesh_batch *batch) {
+  dynmesh_error error;
+  dynmesh_column wrong = places_of_nodes(3);
+  wrong.type = DYNMESH_I32;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(strstr(error.message, "places") != NULL && error.edit == -1);
+  wrong = places_of_nodes(3), wrong.width = 4;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  wrong = places_of_nodes(3), wrong.data = NULL;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  wrong = places_of_nodes(3), wrong.stride = 4;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(2), places_of_nodes(3), NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_add_points(batch, 7, ids_of_nodes(3), places_of_nodes(3), NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  uint64_t end = 4;
+  EXPECT(dynmesh_add_polygon(batch, DYNMESH_ADD, 9, ids_of_nodes(3), dynmesh_u64s(&end, 1), NULL) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_batch_count(batch) == 0);
+}
+
+static void a_refused_batch_changes_nothing(dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  char before[33], after[33];
+  dynmesh_hash(mesh, before);
+  const uint64_t id = 4, absent[] = {1, 99};
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_segments(batch, DYNMESH_ADD, dynmesh_u64s(&id, 1),
+                               dynmesh_u64_pairs(absent, 1), NULL));
+  EXPECT(dynmesh_apply(mesh, batch, NULL, &error) == DYNMESH_FAILED_PRECONDITION);
+  EXPECT(strcmp(error.reason, "UNKNOWN_END") == 0 && error.edit == 0 && error.code != DYNMESH_OK);
+  EXPECT(error.feature_count >= 1 && (error.features[0] == 4 || error.features[0] == 99));
+
+  dynmesh_apply_options options;
+  int calls = 0;
+  const uint64_t ends[] = {1, 2};
+  dynmesh_default_apply_options(&options);
+  options.interrupted = at_once, options.context = &calls;
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_segments(batch, DYNMESH_ADD, dynmesh_u64s(&id, 1), dynmesh_u64_pairs(ends, 1),
+                               NULL));
+  EXPECT(dynmesh_apply(mesh, batch, &options, &error) == DYNMESH_CANCELLED && calls > 0);
+  options.size = 1;
+  EXPECT(dynmesh_apply(mesh, batch, &options, &error) == DYNMESH_INVALID_ARGUMENT);
+  dynmesh_hash(mesh, after);
+  EXPECT(strcmp(before, after) == 0 && dynmesh_revision(mesh) == 1);
+}
+
+static void labels_sizes_moves(dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  char before[33], after[33];
+  dynmesh_hash(mesh, before);
+  const uint64_t size = 50, moved = 3;
+  const double there[] = {0.5, 0.8}, back[] = {0.5, 0.75}, radius = 0.1, target = 0.02;
+  const dynmesh_column none = {NULL, 0, 0, 1, DYNMESH_F64};
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_sizes(batch, DYNMESH_ADD, dynmesh_u64s(&size, 1), dynmesh_f64s(there, 1, 2),
+                            dynmesh_f64s(&radius, 1, 1), dynmesh_f64s(&target, 1, 1), &error));
+  EXPECT(!dynmesh_add_sizes(batch, DYNMESH_SET, dynmesh_u64s(&size, 1), dynmesh_f64s(there, 1, 2), none,
+                            dynmesh_f64s(&target, 1, 1), &error));
+  EXPECT(!dynmesh_set_label(batch, 1, 7, "wall", &error));
+  EXPECT(!dynmesh_move_points(batch, dynmesh_u64s(&moved, 1), dynmesh_f64s(there, 1, 2), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  EXPECT(dynmesh_count(mesh, DYNMESH_FEATURES) == 4);
+  dynmesh_hash(mesh, after);
+  EXPECT(strcmp(before, after) != 0);
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_remove(batch, dynmesh_u64s(&size, 1), &error));
+  EXPECT(!dynmesh_move_points(batch, dynmesh_u64s(&moved, 1), dynmesh_f64s(back, 1, 2), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  dynmesh_hash(mesh, after);
+  EXPECT(strcmp(before, after) == 0); /* undo is the inverse edit */
+}
+
+static void arrays_and_diffs_agree(const dynmesh_mesh *mesh) {
+  dynmesh_error error;
+  dynmesh_column cells, points, ids, added, removed;
+  EXPECT(!dynmesh_array(mesh, DYNMESH_CELLS, &cells, &error) && cells.width == 3);
+  EXPECT(!dynmesh_array(mesh, DYNMESH_POINTS, &points, &error) && points.width == 2);
+  EXPECT(!dynmesh_array(mesh, DYNMESH_VERTEX_IDS, &ids, &error) && ids.type == DYNMESH_U64);
+  EXPECT(points.rows == ids.rows && ids.rows == dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS));
+  EXPECT(cells.rows == dynmesh_count(mesh, DYNMESH_CELL_SLOTS));
+  size_t used = 0;
+  for (size_t i = 0; i < ids.rows; ++i) used += ((const uint64_t *)ids.data)[i] != 0;
+  EXPECT(used == dynmesh_count(mesh, DYNMESH_VERTICES));
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_ADDED_VERTICES, &added, &error));
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_REMOVED_VERTICES, &removed, &error) && removed.rows > 0);
+  for (size_t i = 0; i < added.rows; ++i) {
+    EXPECT(((const uint64_t *)ids.data)[((const int32_t *)added.data)[i]] != 0);
+  }
+  EXPECT(dynmesh_array(mesh, 99, &cells, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_diff(mesh, 99, &cells, &error) == DYNMESH_INVALID_ARGUMENT);
+
+  const double places[] = {0.5, 0.5, 1e6, 0};
+  int32_t found[2] = {-7, -7};
+  EXPECT(!dynmesh_locate(mesh, dynmesh_f64s(places, 2, 2), found, &error));
+  EXPECT(found[0] >= 0 && found[1] == -1);
+  EXPECT(dynmesh_locate(mesh, dynmesh_f64s(places, 1, 3), found, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+}
+
+/* Two interleaved fields, by a stride, as each alone. */
+static void strides_of_fields(dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  dynmesh_field p1;
+  dynmesh_column points;
+  const uint64_t id = 60;
+  const double place[] = {0.4, 0.5};
+  dynmesh_default_field(&p1);
+  const size_t before = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  double *both = calloc(4 * before + 1000, sizeof(double)), *one = both + 3 * before + 500;
+  EXPECT(!dynmesh_array(mesh, DYNMESH_POINTS, &points, &error));
+  for (size_t i = 0; i < before; ++i) {
+    both[2 * i] = one[i] = 1 + ((const double *)points.data)[2 * i];
+    both[2 * i + 1] = -1;
+  }
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, dynmesh_u64s(&id, 1), dynmesh_f64s(place, 1, 2), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  EXPECT(dynmesh_carry(mesh, &p1, one, rows + 1, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, one, rows, 4, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(!dynmesh_carry(mesh, &p1, one, rows, 8, &error));
+  EXPECT(!dynmesh_carry(mesh, &p1, both, rows, 16, &error));
+  for (size_t i = 0; i < before; ++i) EXPECT(both[2 * i] == one[i] && both[2 * i + 1] == -1);
+  p1.kind = 99;
+  EXPECT(dynmesh_carry(mesh, &p1, one, rows, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+  free(both);
+}
+
+static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  dynmesh_input *input;
+  dynmesh_mesh *other;
+  dynmesh_options options;
+  dynmesh_part *part;
+  dynmesh_choice choice;
+  char path[1000];
+  EXPECT(dynmesh_read("/nowhere.poly", 0, &input, &error) == DYNMESH_NOT_FOUND && input == NULL);
+  snprintf(path, sizeof path, "%s/plate.poly", folder);
+  FILE *file = fopen(path, "w");
+  fputs("4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n", file);
+  fclose(file);
+  EXPECT(!dynmesh_read(path, 0, &input, &error));
+  dynmesh_input_options(input, &options);
+  EXPECT(options.dimension == 2 && dynmesh_batch_count(dynmesh_input_batch(input)) == 8);
+  EXPECT(!dynmesh_open(&options, &other, &error));
+  EXPECT(!dynmesh_apply(other, dynmesh_input_batch(input), NULL, &error));
+  snprintf(path, sizeof path, "%s/plate.msh", folder);
+  EXPECT(!dynmesh_write(other, NULL, path, DYNMESH_BINARY, &error));
+  EXPECT(dynmesh_write(other, NULL, "/plate.unknown", 0, &error) == DYNMESH_INVALID_ARGUMENT);
+  dynmesh_close(other);
+  dynmesh_input_free(input);
+
+  /* A part that has missed a batch is made anew. */
+  uint64_t end = 3;
+  dynmesh_default_choice(&choice);
+  EXPECT(!dynmesh_part_new(mesh, &choice, &part, &error));
+  dynmesh_column cells;
+  EXPECT(!dynmesh_part_array(part, DYNMESH_PART_CELLS, &cells, &error) && cells.rows == 0);
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_polygon(batch, DYNMESH_ADD, 9, ids_of_nodes(3), dynmesh_u64s(&end, 1), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_set_label(batch, 9, 1, "plate", &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  EXPECT(!dynmesh_part_update(part, mesh, &error));
+  EXPECT(!dynmesh_part_array(part, DYNMESH_PART_CELLS, &cells, &error) && cells.rows > 0);
+  snprintf(path, sizeof path, "%s/part.vtu", folder);
+  EXPECT(!dynmesh_write(mesh, part, path, 0, &error));
+  EXPECT(dynmesh_part_array(part, 99, &cells, &error) == DYNMESH_INVALID_ARGUMENT);
+  dynmesh_part_free(part);
+}
+
+int main(int argc, char **argv) {
+  dynmesh_error error;
+  dynmesh_options options;
+  dynmesh_mesh *mesh = NULL;
+  dynmesh_batch *batch = NULL;
+  (void)argc;
+  EXPECT(strcmp(dynmesh_version(), "") != 0);
+  memset(&options, 0, sizeof options);
+  EXPECT(dynmesh_open(&options, &mesh, &error) == DYNMESH_INVALID_ARGUMENT && mesh == NULL);
+  dynmesh_default_options(2, &options);
+  options.quality = 0.5;
+  EXPECT(dynmesh_open(&options, &mesh, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(strcmp(error.reason, "BAD_OPTION") == 0);
+  dynmesh_default_options(2, &options);
+  EXPECT(!dynmesh_open(&options, &mesh, &error) && error.code == DYNMESH_OK);
+  EXPECT(!dynmesh_batch_new(&batch, &error));
+  dynmesh_field p1;
+  double nothing = 0;
+  dynmesh_default_field(&p1);
+  EXPECT(dynmesh_carry(mesh, &p1, &nothing, 1, 8, &error) == DYNMESH_FAILED_PRECONDITION);
+
+  columns_are_checked(batch);
+  EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), places_of_nodes(3), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error) && dynmesh_revision(mesh) == 1);
+  a_refused_batch_changes_nothing(mesh, batch);
+  labels_sizes_moves(mesh, batch);
+  arrays_and_diffs_agree(mesh);
+  strides_of_fields(mesh, batch);
+  files(argv[1], mesh, batch);
+  dynmesh_batch_free(batch);
+  dynmesh_batch_free(NULL);
+  dynmesh_close(mesh);
+  dynmesh_close(NULL);
+  return failures != 0;
+}
