@@ -346,16 +346,19 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   return finish(std::move(as_read));
 }
 
-std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal) {
-  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
-  if (!absl::IsResourceExhausted(refusal) || !detail) return std::nullopt;
-  if (detail->reason != reason::kVertexLimit && detail->reason != reason::kDepthLimit) {
-    return std::nullopt;
-  }
+std::optional<double> LargerTolerance(const Report& report) {
   for (const double share : kSharesOfTooFine) {
     if (share * report.within > report.tolerance) return share * report.within;
   }
   return std::nullopt;
+}
+
+std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
+  if (!absl::IsResourceExhausted(refusal) || !detail) return std::nullopt;
+  const bool may_help = detail->reason == reason::kVertexLimit ||
+                        (detail->reason == reason::kDepthLimit && report.open_edges_after == 0);
+  return may_help ? LargerTolerance(report) : std::nullopt;
 }
 
 std::string TextOf(const Report& report) {
