@@ -283,6 +283,10 @@ TEST_F(PrepareTest, OfWhatIsTooFineALargerToleranceMayHelp) {
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 1);
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kSizeLimit)), std::nullopt);
   EXPECT_EQ(ToleranceIfTooFine(report, absl::OkStatus()), std::nullopt);
+  // A soup encloses nothing, whatever its tolerance.
+  report.open_edges_after = 3;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), LargerTolerance(report));
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kDepthLimit)), std::nullopt);
   report.tolerance = 1;
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), std::nullopt);
 }
@@ -298,27 +302,6 @@ TEST_F(PrepareTest, PartsOfASegmentKeepItsMarker) {
     if (f.kind == FeatureKind::kSegment) ++segments[prepared.geometry.labels->MarkerOf(f.id)];
   }
   EXPECT_EQ(segments, (std::map<std::int64_t, int>{{5, 2}, {6, 2}}));
-}
-
-TEST(LargerToleranceTest, GrowsUpToTheDistanceIfThatMayHelp) {
-  Report report;
-  report.within = 1;
-  report.tolerance = 1e-3;
-  EXPECT_EQ(LargerTolerance(report), 0.1);
-  const auto refusal = [](const char* reason) {
-    return MakeError(absl::StatusCode::kResourceExhausted, "too fine", {reason, {}, {}});
-  };
-  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 0.1);
-  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kDepthLimit)), 0.1);
-  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kSmallAngle)), std::nullopt);
-  // A soup encloses nothing, whatever its tolerance.
-  report.open_edges_after = 3;
-  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 0.1);
-  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kDepthLimit)), std::nullopt);
-  report.tolerance = 0.5;
-  EXPECT_EQ(LargerTolerance(report), 1);
-  report.tolerance = 1;
-  EXPECT_EQ(LargerTolerance(report), std::nullopt);
 }
 
 }  // namespace
