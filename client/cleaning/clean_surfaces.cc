@@ -40,6 +40,7 @@ class SurfaceCleaner {
                  const ToleranceField& field, Effort& effort)
       : features_(features), options_(options), effort_(effort), surface_(field) {
     surface_.least_sine = std::sin(options.least_angle * std::numbers::pi / 180);
+    surface_.most_contraction = options.most_contraction;
   }
 
   // ABORTED if repairs undo each other, at places that `stuck` becomes.

@@ -10,7 +10,8 @@
 // T / 4 to an edge or a face that does not end there; edges that do not meet are T / 2 apart;
 // no two edges cross, no edge passes through a face, and no two faces overlap. Each single change
 // moves points, edges and faces by less than T. A result that is cleaned again is not changed.
-// Angles are as small as the input makes them, or as `least_angle` says.
+// Angles are as small as the input makes them, or as `least_angle` says. With a length to contract
+// changes may be as large as that is.
 //
 // Where repairs undo each other, at places some tolerances apart, all is done anew with T doubled,
 // a few times; then with T doubled near these places only; if that is no help, everywhere.
@@ -44,6 +45,10 @@ struct SurfaceCleanOptions {
   // In degrees, 0 to 1: edges that meet in a corner at a lesser angle become one, and so do an edge
   // and a face that it leads over, however far apart their ends are.
   double least_angle = 0;
+  // Where needles cross, cutting them may make ever more of them. If this is not 0, edges of faces
+  // that are as thin as that become a point, up to this length, and edges cross only when they go
+  // through all points on them.
+  double most_contraction = 0;
   int max_doublings = 12;                 // of the tolerance, at any place
   int first_doublings = 3;                // of it everywhere, before it is doubled at some places
   std::size_t max_crossings = 8'000'000;  // in one round; bounds the memory

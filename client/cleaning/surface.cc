@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace dynmesh::cleaning {
 
@@ -26,6 +27,37 @@ Node Surface::AddNode(const Point3& p, FeatureId id) {
 Node Surface::NodeAt(const Point3& p) {
   const std::optional<Node> near = Near(p);
   return near ? *near : AddNode(p, next_id++);
+}
+
+void Surface::Join(const std::vector<NodePair>& pairs) {
+  const auto find = [&](Node v) {
+    for (auto it = joined.find(v); it != joined.end(); it = joined.find(v)) v = it->second;
+    return v;
+  };
+  std::vector<Node> gone;
+  for (const auto& [a, b] : pairs) {
+    Node stays = find(a), goes = find(b);
+    if (stays == goes) continue;
+    if (at(goes) < at(stays)) std::swap(stays, goes);
+    joined[goes] = stays;
+    gone.push_back(goes);
+  }
+  for (auto& [from, to] : joined) to = find(to);
+  for (const Node v : gone) {
+    const Node to = joined.at(v);
+    changes.push_back(
+        {SurfaceChangeKind::kPointMerged, {point_ids[v], point_ids[to]}, at(v), at(to)});
+  }
+  const std::vector<Simplex> before = std::exchange(simplices, {});
+  for (const Simplex& s : before) {
+    std::array<Node, 3> v = s.v;
+    for (Node& corner : v) corner = find(corner);
+    if (v == s.v) {
+      simplices.push_back(s);
+    } else {
+      Add(std::span(v).first(static_cast<std::size_t>(s.size)), s.sources);
+    }
+  }
 }
 
 double Surface::ToleranceOf(const Simplex& s) const {

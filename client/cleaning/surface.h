@@ -59,10 +59,18 @@ class Surface {
 
   // A node made in this round, for a point with id `id`.
   Node AddNode(const Point3& p, FeatureId id);
-  // The node nearest to p within the tolerance there.
-  std::optional<Node> Near(const Point3& p) const { return nodes.Near(p, field.LevelAt(p)); }
+  // The node nearest to p within the tolerance there, or what it was joined with.
+  std::optional<Node> Near(const Point3& p) const {
+    const std::optional<Node> near = nodes.Near(p, field.LevelAt(p));
+    if (!near) return near;
+    const auto it = joined.find(*near);
+    return it == joined.end() ? near : it->second;
+  }
   // Or a new one.
   Node NodeAt(const Point3& p);
+
+  // Joins the nodes of each pair: the first by coordinates stays. To be settled.
+  void Join(const std::vector<NodePair>& pairs);
 
   // Adds a simplex, unless corners are equal. To be settled.
   void Add(std::span<const Node> corners, const Sources& sources);
@@ -86,10 +94,12 @@ class Surface {
 
   NodeTable3 nodes;
   const ToleranceField& field;
-  double least_sine = 0;  // what meets at a common corner at a lesser angle is to become one
-  std::vector<FeatureId> point_ids;  // by node
-  FeatureId next_id = 0;             // of the next new node
-  std::vector<Simplex> simplices;    // by corners, points first
+  double least_sine = 0;        // what meets at a common corner at a lesser angle is to become one
+  double most_contraction = 0;  // SurfaceCleanOptions
+  absl::flat_hash_map<Node, Node> joined;  // what no simplex has any more, with what stayed
+  std::vector<FeatureId> point_ids;        // by node
+  FeatureId next_id = 0;                   // of the next new node
+  std::vector<Simplex> simplices;          // by corners, points first
   std::vector<SurfaceChange> changes;
   int round = 0;
 };

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "absl/container/flat_hash_set.h"
 #include "client/cleaning/plane_triangulation.h"
 #include "client/cleaning/vectors3.h"
 #include "core/base/text.h"
@@ -59,6 +60,7 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   chains_.clear();
   faces_.clear();
   concerned_.clear();
+  contractions_.clear();
   told_.clear();
   edges_ = surface_.EdgesOf();
   Contacts contacts = FindContacts(surface_, seen_, max_crossings_, effort_);
@@ -78,12 +80,14 @@ absl::StatusOr<bool> SurfaceRounds::Run() {
   places_.clear();
   for (const Contact& c : contacts.pairs) places_.push_back({c.place, c.fold});
   for (const ThinFace& face : contacts.thin) places_.push_back({surface_.at(face.at), face.fold});
+  if (surface_.most_contraction > 0) Postpone(contacts);
   Take(contacts.thin);
   Take(contacts.pairs);
   JoinLines();
   MakeChains();
-  const bool has_changed = !effort_.is_spent() && Apply();
+  const bool has_changed = !effort_.is_spent() && (Apply() || !contractions_.empty());
   if (effort_.is_spent()) return SpentError();
+  if (!contractions_.empty()) surface_.Join(contractions_);
   if (!has_changed) {
     return absl::ResourceExhaustedError(text::Concat(
         found_, " contacts cannot be mended, one at (", where_[0], ", ", where_[1], ", ", where_[2],
@@ -149,12 +153,47 @@ void SurfaceRounds::PutInFace(std::uint32_t face, Node at) {
   PutOnEdge(nearest, at, SurfaceChangeKind::kEdgeSplit);
 }
 
+// Crossings of edges that have nodes on them are looked for again in the next round.
+void SurfaceRounds::Postpone(Contacts& contacts) {
+  absl::flat_hash_set<NodePair> touched;
+  for (const ThinFace& face : contacts.thin) touched.insert(face.edge);
+  const auto edge_of = [&](std::uint32_t simplex, int part) {
+    return surface_.simplices[simplex].Edge(part);
+  };
+  for (const Contact& c : contacts.pairs) {
+    if (std::max(c.part_of_s, c.part_of_t) < kFirstCorner) continue;
+    if (c.part_of_s < kFaceItself) touched.insert(edge_of(c.s, c.part_of_s));
+    if (c.part_of_t < kFaceItself) touched.insert(edge_of(c.t, c.part_of_t));
+  }
+  std::erase_if(contacts.pairs, [&](const Contact& c) {
+    if (std::max(c.part_of_s, c.part_of_t) >= kFirstCorner) return false;
+    const auto waits = [&](std::uint32_t simplex, int part) {
+      return part < kFaceItself && touched.contains(edge_of(simplex, part));
+    };
+    if (!waits(c.s, c.part_of_s) && !waits(c.t, c.part_of_t)) return false;
+    concerned_.push_back(c.s);
+    concerned_.push_back(c.t);
+    return true;
+  });
+}
+
+bool SurfaceRounds::TakeContraction(const ThinFace& thin) {
+  if (!(surface_.most_contraction > 0) || surface_.round < 2) return false;
+  const NodePair a = Ordered(thin.at, thin.edge.first), b = Ordered(thin.at, thin.edge.second);
+  const NodePair edge = surface_.IsShorter(a, b) ? a : b;
+  const double most = surface_.most_contraction * surface_.most_contraction;
+  if (!(SquaredDistance<3>(surface_.at(edge.first), surface_.at(edge.second)) < most)) return false;
+  contractions_.push_back(edge);
+  return true;
+}
+
 void SurfaceRounds::Take(const std::vector<ThinFace>& thin) {
   if (!thin.empty()) where_ = surface_.at(thin.front().at);
   for (const ThinFace& face : thin) {
-    PutOnEdge(face.edge, face.at, SurfaceChangeKind::kEdgeSplit);
     const std::vector<std::uint32_t>& simplices = edges_.at(face.edge);
     concerned_.insert(concerned_.end(), simplices.begin(), simplices.end());
+    if (TakeContraction(face)) continue;
+    PutOnEdge(face.edge, face.at, SurfaceChangeKind::kEdgeSplit);
   }
 }
 

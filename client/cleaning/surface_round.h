@@ -11,6 +11,11 @@
 // apart. There repairs of two edges may undo each other, for ever: CleanSurfaces then takes a
 // larger tolerance.
 //
+// If the surface may be contracted, rounds make fewer nodes of needles, which are long, so that
+// many of their edges meet at nearly no angle, each time elsewhere. Edges wait with crossings until
+// they go through all nodes on them. From the second round on, a face with a corner on its opposite
+// edge loses the shorter one of its other edges, and with it the corner, if that is short enough.
+//
 // All decisions are functions of coordinates.
 #ifndef DYNMESH_CLIENT_CLEANING_SURFACE_ROUND_H_
 #define DYNMESH_CLIENT_CLEANING_SURFACE_ROUND_H_
@@ -56,7 +61,9 @@ class SurfaceRounds {
     std::vector<NodePair> lines;  // between nodes of the face
   };
 
+  void Postpone(Contacts& contacts);
   void Take(const std::vector<ThinFace>& thin);
+  bool TakeContraction(const ThinFace& thin);
   void Take(std::vector<Contact>& contacts);
   void TakePart(std::uint32_t simplex, int part, Node at, SurfaceChangeKind kind);
   void Report(const Contact& contact);
@@ -86,6 +93,7 @@ class SurfaceRounds {
   absl::flat_hash_map<NodePair, std::vector<Node>> chains_;  // inner nodes, from the first end
   absl::flat_hash_map<std::uint32_t, FaceWork> faces_;
   std::vector<std::uint32_t> concerned_;
+  std::vector<NodePair> contractions_;
   std::set<std::pair<SurfaceChangeKind, std::vector<FeatureId>>> told_;
 };
 

@@ -74,22 +74,20 @@ Cleaner::Cleaner(Geometry raw, const io::GeometryOptions& reading, bool is_surfa
   raw_.labels = WithoutAttributes(*raw_.labels);
 }
 
-absl::StatusOr<Prepared> Cleaner::Clean(double tolerance, double least_angle, std::uint64_t steps,
-                                        bool is_open_no_use) const {
+absl::StatusOr<Prepared> Cleaner::Clean(const Cleaning& how, bool is_open_no_use) const {
   Prepared prepared = {raw_, {}};
   Report& report = prepared.report;
   report.is_mended = true;
   report.within = within_;
   std::vector<FeatureId> doubled;
-  const absl::Status status = raw_.options.dimension == 2
-                                  ? CleanPlane(tolerance, prepared)
-                                  : CleanSpace(tolerance, least_angle, steps, doubled, prepared);
+  const absl::Status status = raw_.options.dimension == 2 ? CleanPlane(how.tolerance, prepared)
+                                                          : CleanSpace(how, doubled, prepared);
   if (!status.ok()) return status;
   std::vector<Feature>& features = prepared.geometry.features;
   if (HasEdges(raw_.features) && !HasEdges(features)) {
     return absl::NotFoundError(
         Concat("nothing is left: 0 polygons and 0 segments; none has an area or a length of ",
-               static_cast<float>(tolerance)));
+               static_cast<float>(how.tolerance)));
   }
   std::vector<Feature> with_flaps;
   std::size_t flaps = 0;
@@ -153,14 +151,15 @@ absl::Status Cleaner::CleanPlane(double tolerance, Prepared& prepared) const {
   return absl::OkStatus();
 }
 
-absl::Status Cleaner::CleanSpace(double tolerance, double least_angle, std::uint64_t steps,
-                                 std::vector<FeatureId>& doubled, Prepared& prepared) const {
+absl::Status Cleaner::CleanSpace(const Cleaning& how, std::vector<FeatureId>& doubled,
+                                 Prepared& prepared) const {
   cleaning::SurfaceCleanOptions options;
-  options.tolerance = tolerance;
-  options.least_angle = least_angle;
-  options.max_steps = steps;
+  options.tolerance = how.tolerance;
+  options.least_angle = how.least_angle;
+  options.most_contraction = how.most_contraction;
+  options.max_steps = how.steps;
   while (options.first_doublings > 0 &&
-         std::ldexp(tolerance, options.first_doublings) > within_ / 2) {
+         std::ldexp(how.tolerance, options.first_doublings) > within_ / 2) {
     --options.first_doublings;
   }
   options.holes = !is_surface_;

@@ -35,6 +35,8 @@ using text::Concat;
 constexpr double kLeastAngle = 0.002;
 // The same at a common edge of faces, if nothing else helps.
 constexpr double kLeastAngleAtEdges = 0.1;
+// How long what is contracted may be, in units of D, if cutting alone does not end.
+constexpr double kShareOfContractions = 0.25;
 // Tolerances for what takes too many vertices, in units of D.
 constexpr double kSharesOfTooFine[] = {0.1, 0.5, 1};
 // Of fewer faces, what does not meet is so far apart, in roundings of the file's numbers: joining
@@ -144,16 +146,20 @@ bool Describe(Geometry& geometry, double within, Report& report) {
 // `sharp` gets those after which a mesh refused it for an angle.
 absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
                                              bool to_close, const std::vector<double>& tolerances,
-                                             double least_angle, std::vector<double>& sharp) {
+                                             Cleaning how, std::vector<double>& sharp) {
   std::optional<Prepared> best;
+  const double least_angle = std::exchange(how.least_angle, 0);
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
-  std::uint64_t steps = cleaner.Steps();
+  how.steps = cleaner.Steps();
   for (const double tolerance : tolerances) {
     const bool is_open_no_use = to_close && (best || as_read.found.ok());
-    absl::StatusOr<Prepared> cleaned = cleaner.Clean(tolerance, 0, steps, is_open_no_use);
+    how.tolerance = tolerance;
+    how.least_angle = 0;
+    absl::StatusOr<Prepared> cleaned = cleaner.Clean(how, is_open_no_use);
     absl::Status refusal = cleaned.ok() ? Refusal(cleaned->geometry) : absl::OkStatus();
     if (IsOfAngle(refusal)) {
-      cleaned = cleaner.Clean(tolerance, least_angle, steps, is_open_no_use);
+      how.least_angle = least_angle;
+      cleaned = cleaner.Clean(how, is_open_no_use);
       if (cleaned.ok()) refusal = Refusal(cleaned->geometry);
       if (IsOfAngle(refusal)) sharp.push_back(tolerance);
     }
@@ -161,7 +167,9 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
       return cleaned.status();
     }
     if (absl::IsNotFound(cleaned.status())) break;
-    if (absl::IsResourceExhausted(cleaned.status())) steps = std::max<std::uint64_t>(steps / 2, 1);
+    if (absl::IsResourceExhausted(cleaned.status())) {
+      how.steps = std::max<std::uint64_t>(how.steps / 2, 1);
+    }
     if (!cleaned.ok() || !refusal.ok()) continue;
     cleaned->report.found = as_read.found;
     cleaned->report.open_edges = as_read.open_edges;
@@ -173,14 +181,22 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
 }
 
 // The same, of no tolerance below the `least`. Where that does not help, and a mesh refuses results
-// for an angle, what meets at a larger one becomes one, too.
+// for an angle, what meets at a larger one becomes one, too; at last short edges of needles are
+// contracted.
 absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Report& as_read,
                                              bool to_close, double least) {
   std::vector<double> tolerances = cleaner.Tolerances(), sharp, still_sharp;
   std::erase_if(tolerances, [&](double tolerance) { return tolerance < least; });
-  auto mended = Mend(cleaner, as_read, to_close, tolerances, kLeastAngle, sharp);
-  if (!mended.ok() || *mended || sharp.empty()) return mended;
-  return Mend(cleaner, as_read, to_close, sharp, kLeastAngleAtEdges, still_sharp);
+  auto mended = Mend(cleaner, as_read, to_close, tolerances, {.least_angle = kLeastAngle}, sharp);
+  if (mended.ok() && !*mended && !sharp.empty()) {
+    mended =
+        Mend(cleaner, as_read, to_close, sharp, {.least_angle = kLeastAngleAtEdges}, still_sharp);
+  }
+  // A file that a mesh accepts, or that is no surface of 3D, has no crossing needles.
+  if (!mended.ok() || *mended || as_read.found.ok() || !cleaner.is_in_space()) return mended;
+  const double most = kShareOfContractions * as_read.within;
+  return Mend(cleaner, as_read, to_close, tolerances,
+              {.least_angle = kLeastAngle, .most_contraction = most}, still_sharp);
 }
 
 // `prepared` with fewer faces, at most `within` from what it was, if there are fewer, and a mesh
@@ -330,16 +346,19 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
   return finish(std::move(as_read));
 }
 
-std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal) {
-  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
-  if (!absl::IsResourceExhausted(refusal) || !detail) return std::nullopt;
-  if (detail->reason != reason::kVertexLimit && detail->reason != reason::kDepthLimit) {
-    return std::nullopt;
-  }
+std::optional<double> LargerTolerance(const Report& report) {
   for (const double share : kSharesOfTooFine) {
     if (share * report.within > report.tolerance) return share * report.within;
   }
   return std::nullopt;
+}
+
+std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(refusal);
+  if (!absl::IsResourceExhausted(refusal) || !detail) return std::nullopt;
+  const bool may_help = detail->reason == reason::kVertexLimit ||
+                        (detail->reason == reason::kDepthLimit && report.open_edges_after == 0);
+  return may_help ? LargerTolerance(report) : std::nullopt;
 }
 
 std::string TextOf(const Report& report) {

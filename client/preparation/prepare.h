@@ -88,8 +88,12 @@ bool MayBePrepared(const std::string& path, const PrepareOptions& options);
 absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOptions& reading,
                                  const PrepareOptions& options);
 
-// If a mesh of a prepared surface ended with `refusal` as it was too fine, after its validation: a
-// larger tolerance that may help (PrepareOptions::least_tolerance).
+// A larger tolerance that may help where a mesh of a prepared surface takes too many vertices
+// (PrepareOptions::least_tolerance); nothing if D allows none.
+std::optional<double> LargerTolerance(const Report& report);
+// The same, if a mesh ended with `refusal` as the surface was too fine, after its validation. Many
+// faces that cross at next to no angle do so with each tolerance: nothing for a surface
+// with open edges that takes too many halvings.
 std::optional<double> ToleranceIfTooFine(const Report& report, const absl::Status& refusal);
 
 // "3 x points merged, 2 x edge split; at most 1.2e-07 from the input, tolerance 1e-9".

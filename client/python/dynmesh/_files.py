@@ -31,10 +31,11 @@ class FileInput:
     #: What was left out of the file's content.
     warnings: list[str]
     #: Of `read_surface`: "mended"; "thinned", with "triangles_read" and "triangles" (if neither, the
-    #: file is as it was read); "found" (what a mesh refuses of it, or ""), "within",
-    #: "tolerance", "farthest" (a bound of how far it moved, up to a factor of 2), "open_edges_read", "open_edges", "open_loops" (those left, by ascending length: "points",
-    #: "length", "middle"), "unfilled" (what a mesh refuses of it with its holes filled, or ""),
-    #: "seconds", and "changes", counts by kind.
+    #: file is as it was read); "found" (what a mesh refuses of it, or ""), "within", "tolerance",
+    #: "larger_tolerance" (the next one that may help, or None), "farthest" (a bound of how far it
+    #: moved, up to a factor of 2), "open_edges_read", "open_edges", "open_loops" (those left, by
+    #: ascending length: "points", "length", "middle"), "unfilled" (what a mesh refuses of it with its
+    #: holes filled, or ""), "seconds", and "changes", counts by kind.
     preparation: dict[str, Any] = field(default_factory=dict)
     #: Of `read_surface` with `facets`: for each facet of the file, in its order, the id of the
     #: polygon that it is a part of; 0 if there is none within the distance.
@@ -81,14 +82,19 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
 
 
 def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] = None,
-                 fill_holes: Optional[float] = None, polygons: bool = True,
-                 keep_facets: bool = False, facets: bool = False) -> FileInput:
+                 fill_holes: Optional[float] = None, mending_tolerance: Optional[float] = None,
+                 polygons: bool = True, keep_facets: bool = False,
+                 facets: bool = False) -> FileInput:
     """The features in a surface file or a map, mended where a mesh refuses them.
 
     The same as the command `dynmesh mesh` does. What crosses, overlaps, nearly touches or is there
     twice is mended, with the least tolerance that does, and cracks between open edges of a surface
     are closed. If nothing within the distance helps, it is as it was read: a mesh refuses it. Faces
     of a surface that are finer than the distance needs become fewer.
+
+    Some surfaces are accepted, and take too many vertices all the same. `dynmesh mesh` tries these
+    again, and so may a program that gets `ResourceExhausted` for one:
+    `mending_tolerance=read.preparation["larger_tolerance"]`, as long as that is not None.
 
     Raises `InvalidArgument` with file and line for bad content, and if nothing is left.
 
@@ -99,10 +105,13 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
             input's box.
         fill_holes: of 3D: holes, loops of edges with one face, are filled up to this length. Flat
             ones become a polygon, others triangles of their corners.
+        mending_tolerance: of surfaces: mending has this tolerance or a larger one, even if a mesh
+            accepts the surface as it is.
         polygons: rings of a map are polygons, not segments.
         keep_facets: as of `read_input`.
         facets: tell which polygon each facet of a surface file is a part of.
     """
-    read = _core.read_surface(os.fspath(path), within, fill_holes, polygons, keep_facets, facets)
+    read = _core.read_surface(os.fspath(path), within, fill_holes, mending_tolerance, polygons,
+                              keep_facets, facets)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
                      read["warnings"], read["preparation"], read["facets"])

@@ -48,8 +48,8 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
 
 // "mended" and so on: what was done, and how far the result is from the file.
 py::dict ReadSurface(const std::string& path, std::optional<double> within,
-                     std::optional<double> fill_holes, bool polygons, bool keep_facets,
-                     bool facets) {
+                     std::optional<double> fill_holes, std::optional<double> mending_tolerance,
+                     bool polygons, bool keep_facets, bool facets) {
   absl::StatusOr<preparation::Prepared> prepared = absl::UnknownError("");
   absl::StatusOr<std::vector<FeatureId>> of_facets = std::vector<FeatureId>();
   {
@@ -57,7 +57,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
     io::GeometryOptions reading;
     reading.polygons = polygons;
     reading.keep_facets = keep_facets;
-    prepared = preparation::Prepare(path, reading, {within, fill_holes});
+    prepared = preparation::Prepare(path, reading, {within, fill_holes, mending_tolerance});
     if (prepared.ok() && facets) {
       of_facets = preparation::PolygonsOfFacets(path, prepared->geometry, prepared->report.within);
     }
@@ -74,6 +74,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   told["found"] = std::string(text::View(report.found.message()));
   told["within"] = report.within;
   told["tolerance"] = report.tolerance;
+  told["larger_tolerance"] = preparation::LargerTolerance(report);
   told["farthest"] = report.farthest;
   told["open_edges_read"] = report.open_edges;
   told["open_edges"] = report.open_edges_after;
@@ -175,7 +176,8 @@ void BindFiles(py::module_& module) {
   module.def("read_input", &Read, py::arg("path"), py::arg("merge_coplanar"), py::arg("polygons"),
              py::arg("refine"), py::arg("keep_facets"));
   module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"),
-             py::arg("fill_holes"), py::arg("polygons"), py::arg("keep_facets"), py::arg("facets"));
+             py::arg("fill_holes"), py::arg("mending_tolerance"), py::arg("polygons"),
+             py::arg("keep_facets"), py::arg("facets"));
   module.def("write_rows", &WriteRows, py::arg("points"), py::arg("cells"), py::arg("regions"),
              py::arg("edges"), py::arg("owners"), py::arg("labels"), py::arg("path"),
              py::arg("choices"));

@@ -136,6 +136,17 @@ TEST(CleanSurfaces, SoupsMeetInCornersAndEdgesOnly) {
       const auto shuffled = CleanSurfaces(Shuffled(input, 99), options);
       ASSERT_TRUE(shuffled.ok()) << shuffled.status();
       EXPECT_TRUE(FacesOf(shuffled->features) == FacesOf(cleaned->features));
+      // With edges of needles contracted.
+      SurfaceCleanOptions contracting = options;
+      contracting.most_contraction = 1e3 * options.tolerance;
+      const auto contracted = CleanSurfaces(input, contracting);
+      ASSERT_TRUE(contracted.ok()) << contracted.status();
+      EXPECT_EQ(FaultOf(PlainOf(contracted->features)), "");
+      const double moved = reach + 4 * contracting.most_contraction;
+      EXPECT_LT(FarthestFrom(PlainOf(contracted->features), was), moved);
+      const auto other_order = CleanSurfaces(Shuffled(input, 98), contracting);
+      ASSERT_TRUE(other_order.ok()) << other_order.status();
+      EXPECT_TRUE(FacesOf(other_order->features) == FacesOf(contracted->features));
     }
     std::cout << soup.name << ": " << before << " triangles become " << after
               << ", tolerance doubled to " << widest << " times at most;";

@@ -253,6 +253,36 @@ TEST(CleanSurfaces, ACrowdIsAnErrorBeforeItIsCompared) {
   EXPECT_NE(status.message().find("one at (0, 0, 0)"), std::string::npos) << status;
 }
 
+// The end of each of two faces' edges is on an edge of the other face: cut at one, the needle has
+// the other one on its new edge, for ever.
+TEST(CleanSurfaces, WhereCutsOfANeedleUndoEachOtherItsShortEdgeIsContracted) {
+  const std::vector<Feature> needle = {
+      Feature::Point(1, 0, 0, 0),       Feature::Point(2, 0, 3.8, 0),
+      Feature::Point(3, 2e-5, 3.2, 0),  Feature::Point(4, 2e-5 - 1.1e-10, 3.2 + 8e-6, 0),
+      Feature::Point(5, 1, 3.2, 1),     Feature::Polygon(6, {{1, 2, 3}}),
+      Feature::Polygon(7, {{3, 4, 5}}),
+  };
+  SurfaceCleanOptions options;
+  options.tolerance = kTolerance;
+  EXPECT_TRUE(absl::IsResourceExhausted(CleanSurfaces(needle, options).status()));
+  options.most_contraction = 7e-6;  // too little
+  EXPECT_TRUE(absl::IsResourceExhausted(CleanSurfaces(needle, options).status()));
+  options.most_contraction = 1e-5;
+  const auto result = CleanSurfaces(needle, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->tolerance, kTolerance);
+  EXPECT_EQ(FaultOf(PlainOf(result->features)), "");
+  EXPECT_EQ(CountsOf(*result).at(SurfaceChangeKind::kPointMerged), 1);
+  EXPECT_EQ(PolygonsOf(result->features).size(), 1U);
+  // What is contracted does not depend on ids.
+  std::vector<Feature> turned = needle;
+  turned[5].rings = {{3, 2, 1}};
+  std::swap(turned[5].id, turned[6].id);
+  const auto again = CleanSurfaces(turned, options);
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(PlainOf(again->features).points, PlainOf(result->features).points);
+}
+
 TEST(CleanSurfaces, SizesStay) {
   const std::vector<Feature> features = {
       Feature::Point(1, 0, 0, 0), Feature::Size(2, {1, 1, 1}, {SizeShape::kDisc, 0.1, 0.5, {}})};

@@ -283,6 +283,10 @@ TEST_F(PrepareTest, OfWhatIsTooFineALargerToleranceMayHelp) {
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), 1);
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kSizeLimit)), std::nullopt);
   EXPECT_EQ(ToleranceIfTooFine(report, absl::OkStatus()), std::nullopt);
+  // A soup encloses nothing, whatever its tolerance.
+  report.open_edges_after = 3;
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), LargerTolerance(report));
+  EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kDepthLimit)), std::nullopt);
   report.tolerance = 1;
   EXPECT_EQ(ToleranceIfTooFine(report, refusal(reason::kVertexLimit)), std::nullopt);
 }

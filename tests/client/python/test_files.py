@@ -106,3 +106,14 @@ def test_a_surface_that_a_mesh_refuses_is_mended(tmp_path):
     assert filled.preparation["changes"]["hole filled"] == 1
     with pytest.raises(dynmesh.InvalidArgument):
         dynmesh.read_surface(crossing, within=-1.0)
+    # What is accepted is mended with a tolerance that is asked for: here corners 1e-5 apart become one.
+    points, lines = box(0.0, 1.0)
+    near = write("near.off", (points, lines), box(1.00001, 2.0))
+    larger = dynmesh.read_surface(near).preparation["larger_tolerance"]
+    assert larger == pytest.approx(0.1 * dynmesh.read_surface(near).preparation["within"])
+    merged = dynmesh.read_surface(near, mending_tolerance=larger).preparation
+    assert merged["mended"] and merged["tolerance"] >= larger
+    most = dynmesh.read_surface(near, mending_tolerance=merged["within"]).preparation
+    assert most["tolerance"] == most["within"] and most["larger_tolerance"] is None
+    with pytest.raises(dynmesh.InvalidArgument):
+        dynmesh.read_surface(near, mending_tolerance=0.0)
