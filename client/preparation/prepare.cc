@@ -37,6 +37,8 @@ constexpr double kLeastAngle = 0.002;
 constexpr double kLeastAngleAtEdges = 0.1;
 // How long what is contracted may be, in units of D, if cutting alone does not end.
 constexpr double kShareOfContractions = 0.25;
+// The least tolerances that are tried so: a refusal is not to take much longer than without.
+constexpr std::size_t kTolerancesOfContraction = 2;
 // Tolerances for what takes too many vertices, in units of D.
 constexpr double kSharesOfTooFine[] = {0.1, 0.5, 1};
 // Of fewer faces, what does not meet is so far apart, in roundings of the file's numbers: joining
@@ -194,6 +196,7 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   }
   // A file that a mesh accepts, or that is no surface of 3D, has no crossing needles.
   if (!mended.ok() || *mended || as_read.found.ok() || !cleaner.is_in_space()) return mended;
+  if (tolerances.size() > kTolerancesOfContraction) tolerances.resize(kTolerancesOfContraction);
   const double most = kShareOfContractions * as_read.within;
   return Mend(cleaner, as_read, to_close, tolerances,
               {.least_angle = kLeastAngle, .most_contraction = most}, still_sharp);
