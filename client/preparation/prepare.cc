@@ -152,7 +152,9 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   std::optional<Prepared> best;
   const double least_angle = std::exchange(how.least_angle, 0);
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
-  how.steps = cleaner.Steps();
+  const bool is_contracting = how.most_contraction > 0;
+  // Rounds of contraction cut more for each comparison: fewer steps, and none are halved.
+  how.steps = is_contracting ? cleaner.Steps() * 2 / 5 : cleaner.Steps();
   for (const double tolerance : tolerances) {
     const bool is_open_no_use = to_close && (best || as_read.found.ok());
     how.tolerance = tolerance;
@@ -169,7 +171,7 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
       return cleaned.status();
     }
     if (absl::IsNotFound(cleaned.status())) break;
-    if (absl::IsResourceExhausted(cleaned.status())) {
+    if (absl::IsResourceExhausted(cleaned.status()) && !is_contracting) {
       how.steps = std::max<std::uint64_t>(how.steps / 2, 1);
     }
     if (!cleaned.ok() || !refusal.ok()) continue;
