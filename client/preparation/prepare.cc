@@ -37,6 +37,8 @@ constexpr double kLeastAngle = 0.002;
 constexpr double kLeastAngleAtEdges = 0.1;
 // How long what is contracted may be, in units of D, if cutting alone does not end.
 constexpr double kShareOfContractions = 0.25;
+// The least tolerances that are tried so: a refusal is not to take much longer than without.
+constexpr std::size_t kTolerancesOfContraction = 2;
 // Tolerances for what takes too many vertices, in units of D.
 constexpr double kSharesOfTooFine[] = {0.1, 0.5, 1};
 // Of fewer faces, what does not meet is so far apart, in roundings of the file's numbers: joining
@@ -150,7 +152,9 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   std::optional<Prepared> best;
   const double least_angle = std::exchange(how.least_angle, 0);
   // Halved after each tolerance that takes them all: twice as many are enough for all tolerances.
-  how.steps = cleaner.Steps();
+  const bool is_contracting = how.most_contraction > 0;
+  // Rounds of contraction cut more for each comparison: fewer steps, and none are halved.
+  how.steps = is_contracting ? cleaner.Steps() * 2 / 5 : cleaner.Steps();
   for (const double tolerance : tolerances) {
     const bool is_open_no_use = to_close && (best || as_read.found.ok());
     how.tolerance = tolerance;
@@ -167,7 +171,7 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
       return cleaned.status();
     }
     if (absl::IsNotFound(cleaned.status())) break;
-    if (absl::IsResourceExhausted(cleaned.status())) {
+    if (absl::IsResourceExhausted(cleaned.status()) && !is_contracting) {
       how.steps = std::max<std::uint64_t>(how.steps / 2, 1);
     }
     if (!cleaned.ok() || !refusal.ok()) continue;
@@ -194,6 +198,7 @@ absl::StatusOr<std::optional<Prepared>> Mend(const Cleaner& cleaner, const Repor
   }
   // A file that a mesh accepts, or that is no surface of 3D, has no crossing needles.
   if (!mended.ok() || *mended || as_read.found.ok() || !cleaner.is_in_space()) return mended;
+  if (tolerances.size() > kTolerancesOfContraction) tolerances.resize(kTolerancesOfContraction);
   const double most = kShareOfContractions * as_read.within;
   return Mend(cleaner, as_read, to_close, tolerances,
               {.least_angle = kLeastAngle, .most_contraction = most}, still_sharp);
