@@ -327,6 +327,10 @@ void AddFlags(CLI::App& app, Flags& f) {
                  "[HOST:]PORT of the service over HTTP, for browsers and curl (docs/http.md); "
                  "default: none")
       ->type_name("ADDRESS");
+  app.add_option("--http-name", c.http_name,
+                 "name in the address that browsers have, as behind a proxy: requests of pages of "
+                 "other names are refused; default: the host of --http")
+      ->type_name("NAME");
   app.add_option("--port-file", f.port_file, "write the port here when it serves");
   app.add_option_function<std::string>(
          "--log-level",
@@ -338,9 +342,10 @@ void AddFlags(CLI::App& app, Flags& f) {
          },
          "debug, info, warning, error, off")
       ->default_str(f.log_level);
-  AddTime(app, "drain-timeout", c.drain_timeout, absl::ZeroDuration(),
-          "time to finish work after SIGTERM; the process ends 8 s later at most, with exit code 3, "
-          "also if the disk or the database does not answer");
+  AddTime(
+      app, "drain-timeout", c.drain_timeout, absl::ZeroDuration(),
+      "time to finish work after SIGTERM; the process ends 8 s later at most, with exit code 3, "
+      "also if the disk or the database does not answer");
   AddTime(app, "progress-interval", c.progress_interval, absl::Milliseconds(100),
           "time between messages to idle watchers");
   AddCount(app, "writer-threads", c.writer_threads, 0, "threads that apply edits; 0: by cores",

@@ -45,6 +45,8 @@ constexpr absl::Duration kCallGrace = absl::Seconds(5);
 // For clients to read the GOAWAY and to close their connections themselves. A client without a call
 // often notices only at its next call.
 constexpr std::chrono::milliseconds kConnectionGrace{50};
+// For the last replies of HTTP to be sent.
+constexpr std::chrono::milliseconds kHttpGrace{1000};
 // For clients to notice the drain by a refusal, which says so: calls on a connection that is being
 // closed get no reason. Ends when none has come for a while.
 constexpr absl::Duration kRefusalGrace = absl::Seconds(1);
@@ -172,7 +174,7 @@ struct Server::Impl {
   // A Listen that fails has opened the port already.
   ~Impl() {
     if (acceptor != nullptr) acceptor->Stop();
-    if (door != nullptr) door->Stop();
+    if (door != nullptr) door->Stop(kConnectionGrace);
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
   }
 
@@ -225,6 +227,7 @@ struct Server::Impl {
     options.limits.receive_limit =
         std::chrono::milliseconds(Milliseconds(config.handshake_timeout));
     options.limits.send_limit = std::chrono::milliseconds(Milliseconds(config.send_timeout));
+    options.name = config.http_name;
     options.has_tokens = !config.tokens_file.empty();
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(-1);  // answers are the service's own
@@ -233,6 +236,12 @@ struct Server::Impl {
     door = *std::move(listening);
     open_door = door.get();
     Log(LogLevel::kInfo, "http_listen", {{"address", door->address()}});
+    if (!IsLoopback(door->address())) {
+      Log(LogLevel::kWarning, "exposed",
+          {{"address", door->address()},
+           {"encrypted", "no"},
+           {"message", "tokens and meshes cross the network unencrypted over HTTP"}});
+    }
     return absl::OkStatus();
   }
 
@@ -484,7 +493,7 @@ bool Server::Drain(absl::Duration limit) {
   const bool answered = (done || waits) && impl_->calls.open().WaitEmpty(kCallGrace);
   if (!answered) impl_->service.CutCalls();
   if (done && waits) impl_->calls.WaitQuiet(kQuiet, kRefusalGrace);
-  if (impl_->door != nullptr) impl_->door->Stop();
+  if (impl_->door != nullptr) impl_->door->Stop(kHttpGrace);
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();

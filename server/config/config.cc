@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
@@ -28,7 +29,8 @@ absl::Status ValidateExposure(const ServerConfig& c) {
         " can be reached from elsewhere, and nothing would be encrypted: give --tls-cert and "
         "--tls-key, or --insecure-listen if the network is to be trusted"));
   }
-  if (!c.http.empty() && !IsLoopback(c.http) && !c.insecure_listen) {
+  const bool is_port = std::all_of(c.http.begin(), c.http.end(), absl::ascii_isdigit);
+  if (!is_port && !IsLoopback(c.http) && !c.insecure_listen) {
     return absl::InvalidArgumentError(absl::StrCat(
         "http: ", c.http,
         " can be reached from elsewhere, and nothing would be encrypted: listen on loopback and "
@@ -91,9 +93,7 @@ absl::Status ValidateNode(const ServerConfig& c) {
 
 bool IsLoopback(absl::string_view listen) {
   if (absl::StartsWith(listen, "unix:")) return true;
-  const std::size_t colon = listen.rfind(':');
-  if (colon == absl::string_view::npos) return true;  // a port alone
-  const absl::string_view host = listen.substr(0, colon);
+  const absl::string_view host = listen.substr(0, listen.rfind(':'));
   if (host == "localhost" || host == "[::1]") return true;
   in_addr address{};
   return inet_pton(AF_INET, std::string(host).c_str(), &address) == 1 &&

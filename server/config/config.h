@@ -44,6 +44,8 @@ struct ServerConfig {
 
   // host:port of the service itself over HTTP (http_door.h); empty: none.
   std::string http;
+  // The name in the address that browsers have, as behind a proxy; empty: the host of `http`.
+  std::string http_name;
   // Connections of HTTP, each with a thread while it is open. Further ones are answered 503.
   std::uint64_t max_http_connections = 256;
 

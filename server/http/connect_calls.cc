@@ -1,9 +1,11 @@
 #include "server/http/connect_calls.h"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
@@ -100,6 +102,12 @@ HttpReply ConnectCalls::Answer(const HttpRequest& request) const {
   if (request.method != "POST") {
     return Plain(405, {{"Allow", "POST"}}, "calls are sent with POST\n");
   }
+  if (method->client_streaming()) {
+    return Failed({},
+                  {grpc::StatusCode::UNIMPLEMENTED,
+                   absl::StrCat(method->name(), " takes a stream of messages: call it by gRPC")},
+                  {});
+  }
   const std::string* const type = request.Find("Content-Type");
   const std::optional<Codec> codec = type == nullptr ? std::nullopt : connectrpc::CodecOf(*type);
   if (!codec.has_value() || codec->is_stream != method->server_streaming()) {
@@ -119,10 +127,6 @@ HttpReply ConnectCalls::Answer(const HttpRequest& request) const {
   const auto refuse = [&](const absl::Status& status) {
     return Failed(*codec, Refusal(status), headers);
   };
-  if (method->client_streaming()) {
-    return refuse(absl::UnimplementedError(
-        absl::StrCat(method->name(), " takes a stream of messages: call it by gRPC")));
-  }
   absl::StatusOr<absl::string_view> body = absl::string_view(request.body);
   if (codec->is_stream) body = connectrpc::OpenEnvelope(request.body);
   if (!body.ok()) return refuse(body.status());
@@ -138,7 +142,12 @@ HttpReply ConnectCalls::Answer(const HttpRequest& request) const {
     context.set_deadline(std::chrono::system_clock::now() + *timeout);
   }
   for (const auto& [name, value] : request.headers) {
-    if (absl::EqualsIgnoreCase(name, "Authorization")) context.AddMetadata("authorization", value);
+    if (!absl::EqualsIgnoreCase(name, "Authorization")) continue;
+    // gRPC ends the process for other bytes.
+    if (!std::all_of(value.begin(), value.end(), absl::ascii_isprint)) {
+      return refuse(absl::UnauthenticatedError("Authorization has bytes that are not printable"));
+    }
+    context.AddMetadata("authorization", value);
   }
   context.AddMetadata(kCallIdKey, id);
   context.AddMetadata(HttpPeerKey(), request.peer);

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "absl/strings/string_view.h"
-#include "server/http/http_server.h"
+#include "server/http/http_message.h"
 
 namespace dynmesh::server {
 

@@ -25,7 +25,7 @@ bool IsAddress(const std::string& name) {
 
 }  // namespace
 
-std::string WhyCrossSite(const HttpRequest& request, absl::string_view own_host) {
+std::string WhyCrossSite(const HttpRequest& request, absl::string_view own_name) {
   const std::string* const origin = request.Find("Origin");
   const std::string* const site = request.Find("Sec-Fetch-Site");
   if (origin == nullptr && site == nullptr) return "";
@@ -37,18 +37,19 @@ std::string WhyCrossSite(const HttpRequest& request, absl::string_view own_host)
   if (origin != nullptr) {
     absl::string_view of_page = *origin;
     if (!absl::ConsumePrefix(&of_page, "http://")) absl::ConsumePrefix(&of_page, "https://");
+    if (!own_name.empty() && absl::EqualsIgnoreCase(NameOf(of_page), own_name)) return "";
     if (!absl::EqualsIgnoreCase(of_page, *host)) {
       return absl::StrCat("a page of ", *origin, " asked for this, which is not of ", *host);
     }
   }
   const std::string name(NameOf(*host));
   if (IsAddress(name) || absl::EqualsIgnoreCase(name, "localhost") ||
-      absl::EqualsIgnoreCase(name, own_host)) {
+      (!own_name.empty() && absl::EqualsIgnoreCase(name, own_name))) {
     return "";
   }
   return absl::StrCat("the name ", name,
                       " is not known to be this server's: use its address, or give that name "
-                      "with --http");
+                      "with --http-name");
 }
 
 }  // namespace dynmesh::server

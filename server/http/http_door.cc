@@ -20,7 +20,7 @@ HttpReply HttpDoor::Answer(const HttpRequest& request) const {
     return Text(404, "there is POST /dynmesh.v1.MeshService/METHOD\n");
   }
   if (!has_tokens_ || request.Find("Authorization") == nullptr) {
-    if (const std::string why = WhyCrossSite(request, host_); !why.empty()) {
+    if (const std::string why = WhyCrossSite(request, name_); !why.empty()) {
       return Text(403, absl::StrCat(why, "\n"));
     }
   }
@@ -32,7 +32,7 @@ absl::StatusOr<std::unique_ptr<HttpDoor>> HttpDoor::Listen(const Options& option
   const absl::StatusOr<HostPort> wanted = ParseHostPort("http", options.listen);
   if (!wanted.ok()) return wanted.status();
   std::unique_ptr<HttpDoor> door(
-      new HttpDoor(wanted->host, options.has_tokens, std::move(channel)));
+      new HttpDoor(wanted->host, options.name, options.has_tokens, std::move(channel)));
   auto server = HttpServer::Listen(
       wanted->host, wanted->port, options.limits,
       [door = door.get()](const HttpRequest& request) { return door->Answer(request); });

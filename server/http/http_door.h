@@ -19,6 +19,7 @@ class HttpDoor {
   struct Options {
     std::string listen;  // [HOST:]PORT
     HttpServer::Limits limits;
+    std::string name;  // of the address that browsers have, as of a proxy; empty: the host's own
     // Tokens are checked: a request that has one was not made by a page of another site.
     bool has_tokens = false;
   };
@@ -27,17 +28,22 @@ class HttpDoor {
   static absl::StatusOr<std::unique_ptr<HttpDoor>> Listen(const Options& options,
                                                           std::shared_ptr<grpc::Channel> channel);
 
-  // Ends all calls. By one thread.
-  void Stop() { server_->Stop(); }
+  // Takes no more calls, and ends those that are open after `grace`. By one thread.
+  void Stop(std::chrono::milliseconds grace) { server_->Stop(grace); }
   std::string address() const;  // host:port with the chosen port
   HttpServer::Counts counts() const { return server_->counts(); }
 
  private:
-  HttpDoor(std::string host, bool has_tokens, std::shared_ptr<grpc::Channel> channel)
-      : host_(std::move(host)), has_tokens_(has_tokens), calls_(std::move(channel)) {}
+  HttpDoor(std::string host, std::string name, bool has_tokens,
+           std::shared_ptr<grpc::Channel> channel)
+      : host_(std::move(host)),
+        name_(name.empty() ? host_ : std::move(name)),
+        has_tokens_(has_tokens),
+        calls_(std::move(channel)) {}
   HttpReply Answer(const HttpRequest& request) const;
 
   const std::string host_;
+  const std::string name_;
   const bool has_tokens_;
   const ConnectCalls calls_;
   std::unique_ptr<HttpServer> server_;  // the first to end: it calls the others

@@ -125,6 +125,8 @@ TEST(CrossSite, PagesOfOtherSitesAreRefused) {
       {"[::1]:80", "http://[::1]:80", "same-origin", false},
       {"mesh.example:80", "http://mesh.example:80", "same-origin", false},
       {"mesh.example", "https://MESH.example", nullptr, false},
+      {"127.0.0.1:80", "https://mesh.example", "same-origin", false},  // by a proxy
+      {"127.0.0.1:80", "https://mesh.example.evil", "same-origin", true},
       {"127.0.0.1:80", "http://evil.example", "cross-site", true},
       {"127.0.0.1:80", "http://evil.example", nullptr, true},
       {"127.0.0.1:80", "http://127.0.0.1:81", "same-site", true},

@@ -129,9 +129,11 @@ TEST_F(HttpDoorTest, ErrorsAreThoseOfTheService) {
   EXPECT_EQ(Post("GetMesh", "application/connect+json", "{}").status, 415);
   EXPECT_EQ(Post("Watch", "application/json", "{}").status, 415);
   const Answer bidi = Post("EditStream", "application/connect+json", connectrpc::Envelope(0, "{}"));
+  EXPECT_EQ(bidi.status, 501);
   EXPECT_TRUE(absl::StrContains(bidi.body, "unimplemented")) << bidi.body;
+  EXPECT_EQ(Json("LoadFeatures", json::object()).status, 501);
   EXPECT_EQ(ParseHttp(SendHttp(server_->http_address(),
-                               "GET /nothing HTTP/1.1\r\nConnection: close\r\n\r\n"))
+                               "GET /nothing HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"))
                 .status,
             404);
 }
@@ -181,6 +183,14 @@ TEST_F(HttpDoorTest, TokensAndRolesAreThoseOfTheService) {
   const std::string token = "Authorization: Bearer secret\r\n";
   EXPECT_EQ(Json("ListMeshes", json::object()).status, 401);
   EXPECT_EQ(Json("ListMeshes", json::object(), "Authorization: Bearer wrong\r\n").status, 401);
+  // gRPC ends a process that sends such bytes.
+  for (const char* const bytes : {"\xff", "\x80secret", "a\tb"}) {
+    EXPECT_EQ(
+        Json("ListMeshes", json::object(), absl::StrCat("Authorization: Bearer ", bytes, "\r\n"))
+            .status,
+        401);
+  }
+  EXPECT_EQ(Json("ListMeshes", json::object(), "Authorization: Bearer %0A\r\n").status, 401);
   EXPECT_EQ(Json("ListMeshes", json::object(), token).status, 200);
   EXPECT_EQ(Json("CreateMesh", {{"meshId", "m"}, {"options", {{"box", Box()}}}}, token).status,
             403);
@@ -199,6 +209,17 @@ TEST_F(HttpDoorTest, PagesOfOtherSitesAreRefused) {
                 .status,
             403);
   EXPECT_EQ(Json("ListMeshes", json::object(), "Origin: http://127.0.0.1\r\n").status, 200);
+}
+
+TEST_F(HttpDoorTest, AProxysNameIsThatOfTheServersPages) {
+  ServerConfig config;
+  config.http_name = "mesh.example";
+  Start(config);
+  EXPECT_EQ(Json("ListMeshes", json::object(),
+                 "Origin: https://mesh.example\r\nSec-Fetch-Site: same-origin\r\n")
+                .status,
+            200);
+  EXPECT_EQ(Json("ListMeshes", json::object(), "Origin: https://evil.example\r\n").status, 403);
 }
 
 TEST_F(HttpDoorTest, TheClientsAddressIsItsOwn) {
@@ -228,6 +249,13 @@ TEST_F(HttpDoorTest, WhatCannotBeListenedOnIsNamed) {
   config.http = "0.0.0.0:0";
   EXPECT_EQ(start().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_TRUE(absl::StrContains(start().message(), "--insecure-listen"));
+  config.http = "0.0.0.0";
+  EXPECT_EQ(start().code(), absl::StatusCode::kInvalidArgument);
+  config.http = "";
+  for (const char* const open : {"0.0.0.0", "host", "5"}) {
+    config.listen = open;
+    EXPECT_EQ(start().code(), absl::StatusCode::kInvalidArgument) << open;
+  }
 }
 
 }  // namespace
