@@ -99,7 +99,8 @@ void HttpConnection::Refuse(int status) {
   shutdown(socket_, SHUT_WR);
   std::size_t ignored = buffer_.size();
   buffer_.clear();
-  while (ignored < kMostIgnored && Fill(Clock::now() + kIgnoring)) {
+  const Clock::time_point deadline = Clock::now() + kIgnoring;
+  while (ignored < kMostIgnored && Clock::now() < deadline && Fill(deadline)) {
     ignored += buffer_.size();
     buffer_.clear();
   }
