@@ -148,6 +148,8 @@ void PostgresServer::Start() {
                                     "-c",
                                     "fsync=off",
                                     "-c",
+                                    "autovacuum=off",
+                                    "-c",
                                     "shared_buffers=16MB",
                                     "-c",
                                     "unix_socket_permissions=0777",
