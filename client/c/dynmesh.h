@@ -234,8 +234,9 @@ enum {
   DYNMESH_RELABELLED_CELLS = 7, /* i32: in both meshes, in another region now */
   DYNMESH_FORMER_REGIONS = 8    /* u64: of these, before */
 };
-/* The diff: a column of what the last dynmesh_apply has changed. O(1). A slot may be in a removed and
- * an added column. It ends with the next dynmesh_apply or dynmesh_close. */
+/* The diff: a column of what the last dynmesh_apply without an error has changed; after an empty batch
+ * it has no rows. O(1). A slot may be in a removed and an added column. It ends with the next
+ * dynmesh_apply or dynmesh_close. */
 int dynmesh_diff(const dynmesh_mesh *mesh, int which, dynmesh_column *column, dynmesh_error *error);
 
 /* For each of `places` (f64, dimension a row) the slot of a cell that contains it, in `cells`, which
@@ -266,11 +267,12 @@ typedef struct dynmesh_field {
 /* One component, P1, one ring, not bounded. */
 void dynmesh_default_field(dynmesh_field *field);
 
-/* Carries the field in `values` across the last dynmesh_apply, in place and conservatively: a row of
- * each slot, of vertices or of cells; those behind the former end count as nothing. Values outside the
- * patch stay, to the bit. `values` has `rows` rows (dynmesh_count), `stride` bytes apart. Time is that
- * of the change; what fields have in common is computed once for each revision. FAILED_PRECONDITION
- * before the first batch, and if nothing was there before. */
+/* Carries the field in `values` across the last dynmesh_apply without an error, in place and
+ * conservatively: a row of each slot, of vertices or of cells; those behind the former end count as
+ * nothing. Values outside the patch stay, to the bit; after an empty batch all do. `values` has `rows`
+ * rows (dynmesh_count), `stride` bytes apart. Time is that of the change; what fields have in common is
+ * computed once for each revision. FAILED_PRECONDITION before the first batch, and if nothing was there
+ * before. */
 int dynmesh_carry(dynmesh_mesh *mesh, const dynmesh_field *field, double *values, size_t rows,
                   ptrdiff_t stride, dynmesh_error *error);
 

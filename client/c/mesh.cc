@@ -58,8 +58,9 @@ dynmesh_column ColumnOfVector(const std::vector<T>& values, std::size_t width = 
   return ColumnOf(std::span<const T>(values), width);
 }
 
-absl::StatusOr<dynmesh_column> DiffOf(const SlotMesh& mesh, int which) {
-  const MeshPatch& patch = mesh.patch();
+absl::StatusOr<dynmesh_column> DiffOf(const dynmesh_mesh& mesh, int which) {
+  static const MeshPatch kNoPatch;
+  const MeshPatch& patch = mesh.was_empty ? kNoPatch : mesh.slots.patch();
   switch (which) {
     case DYNMESH_REMOVED_VERTICES:
       return ColumnOfVector(patch.removed_vertices);
@@ -68,7 +69,8 @@ absl::StatusOr<dynmesh_column> DiffOf(const SlotMesh& mesh, int which) {
     case DYNMESH_REMOVED_CELLS:
       return ColumnOfVector(patch.removed_simplices);
     case DYNMESH_REMOVED_CORNERS:
-      return ColumnOfVector(patch.removed_corners, static_cast<std::size_t>(mesh.dimension() + 1));
+      return ColumnOfVector(patch.removed_corners,
+                            static_cast<std::size_t>(mesh.slots.dimension() + 1));
     case DYNMESH_REMOVED_REGIONS:
       return ColumnOfVector(patch.removed_regions);
     case DYNMESH_ADDED_CELLS:
@@ -114,8 +116,8 @@ absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
   try {
     auto diff = mesh->mesher->Apply(batch->edits, apply);
     if (!diff.ok()) return diff.status();
-    if (diff->from_revision == diff->to_revision) return absl::OkStatus();
-    mesh->diff = *std::move(diff), mesh->has_diff = true;
+    mesh->was_empty = diff->from_revision == diff->to_revision;
+    if (!mesh->was_empty) mesh->diff = *std::move(diff), mesh->has_diff = true;
     return absl::OkStatus();
   } catch (const std::bad_alloc&) {
     mesh->is_lost = true;
@@ -169,7 +171,9 @@ absl::Status Carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* value
                    std::ptrdiff_t stride) {
   const auto options = FieldOf(field);
   if (!options.ok()) return options.status();
-  if (!mesh->has_diff) return absl::FailedPreconditionError("no batch was applied yet");
+  if (!mesh->has_diff && !mesh->was_empty) {
+    return absl::FailedPreconditionError("no batch was applied yet");
+  }
   const SlotMesh& slots = mesh->slots;
   const bool by_vertex = options->kind == FieldKind::kP1 || options->kind == FieldKind::kDual;
   const bool by_corner =
@@ -184,6 +188,7 @@ absl::Status Carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* value
   if (stride % 8 != 0 || stride < static_cast<std::ptrdiff_t>(width * sizeof(double))) {
     return absl::InvalidArgumentError("the stride is less than a row or no multiple of 8 bytes");
   }
+  if (mesh->was_empty) return absl::OkStatus();
   if (!mesh->transfer) {
     auto transfer = Transfer::Make(slots);
     if (!transfer.ok()) return transfer.status();
@@ -264,7 +269,7 @@ int dynmesh_array(const dynmesh_mesh* mesh, int which, dynmesh_column* column,
 int dynmesh_diff(const dynmesh_mesh* mesh, int which, dynmesh_column* column,
                  dynmesh_error* error) {
   return dynmesh::c::Guarded(
-      error, [&] { return dynmesh::c::Give(dynmesh::c::DiffOf(mesh->slots, which), column); });
+      error, [&] { return dynmesh::c::Give(dynmesh::c::DiffOf(*mesh, which), column); });
 }
 
 int dynmesh_locate(const dynmesh_mesh* mesh, dynmesh_column places, int32_t* cells,

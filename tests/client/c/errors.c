@@ -173,6 +173,43 @@ static void strides_of_fields(dynmesh_mesh *mesh, dynmesh_batch *batch) {
   free(both);
 }
 
+/* The last dynmesh_apply is that of an empty batch: its diff is empty, and nothing is carried. */
+static void an_empty_batch_carries_nothing(dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  dynmesh_field p1;
+  dynmesh_column column;
+  const uint64_t id = 61;
+  const double place[] = {0.45, 0.55};
+  dynmesh_default_field(&p1);
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, dynmesh_u64s(&id, 1), dynmesh_f64s(place, 1, 2), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  const uint64_t revision = dynmesh_revision(mesh);
+  const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  double *values = calloc(2 * rows, sizeof *values), *before = values + rows;
+  for (size_t i = 0; i < rows; ++i) values[i] = before[i] = (double)(i * i % 17);
+  /* A refused batch does not count: the diff is that of the one before. */
+  EXPECT(dynmesh_apply(mesh, batch, NULL, &error) == DYNMESH_ALREADY_EXISTS);
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_ADDED_CELLS, &column, &error) && column.rows > 0);
+
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error) && dynmesh_revision(mesh) == revision);
+  for (int which = DYNMESH_REMOVED_VERTICES; which <= DYNMESH_FORMER_REGIONS; ++which) {
+    EXPECT(!dynmesh_diff(mesh, which, &column, &error) && column.rows == 0);
+    EXPECT(column.width == (which == DYNMESH_REMOVED_CORNERS ? 3 : 1));
+  }
+  EXPECT(dynmesh_diff(mesh, 99, &column, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(!dynmesh_carry(mesh, &p1, values, rows, 8, &error));
+  EXPECT(memcmp(values, before, rows * sizeof *values) == 0);
+  EXPECT(dynmesh_carry(mesh, &p1, values, rows + 1, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_remove(batch, dynmesh_u64s(&id, 1), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_ADDED_CELLS, &column, &error) && column.rows > 0);
+  free(values);
+}
+
 static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) {
   dynmesh_error error;
   dynmesh_input *input;
@@ -245,6 +282,7 @@ int main(int argc, char **argv) {
   labels_sizes_moves(mesh, batch);
   arrays_and_diffs_agree(mesh);
   strides_of_fields(mesh, batch);
+  an_empty_batch_carries_nothing(mesh, batch);
   files(argv[1], mesh, batch);
   dynmesh_batch_free(batch);
   dynmesh_batch_free(NULL);
