@@ -24,9 +24,11 @@
  * each other if one of them is not only reading: functions that take a `const` object read.
  * Different objects may be used by different threads at the same time.
  *
- * Versions. Structures with a member `size` grow at their end; `dynmesh_default_...` sets it. Values
- * of enumerations stay. libdynmesh.so.0 is compatible with programs that were compiled for an earlier
- * libdynmesh.so.0.
+ * Versions. Structures with a member `size` grow at their end, by whole members. `dynmesh_default_...`
+ * sets it to the size that the program was compiled with. The library writes no more, and members that
+ * are behind have their defaults; members that it does not know are set to 0 and not read. Values of
+ * enumerations stay. libdynmesh.so.0 is compatible with programs that were compiled for an earlier
+ * libdynmesh.so.0. Languages that do not compile this header call `dynmesh_fill_...` with their size.
  */
 #ifndef DYNMESH_H_
 #define DYNMESH_H_
@@ -120,8 +122,11 @@ typedef struct dynmesh_options {
   uint64_t max_vertices;
 } dynmesh_options;
 
-/* Those of a Delaunay mesh of the unit square or cube. */
-void dynmesh_default_options(int32_t dimension, dynmesh_options *options);
+/* Those of a Delaunay mesh of the unit square or cube, in a structure of `size` bytes. */
+void dynmesh_fill_options(int32_t dimension, dynmesh_options *options, size_t size);
+static inline void dynmesh_default_options(int32_t dimension, dynmesh_options *options) {
+  dynmesh_fill_options(dimension, options, sizeof *options);
+}
 
 typedef struct dynmesh_mesh dynmesh_mesh;
 
@@ -189,7 +194,10 @@ typedef struct dynmesh_apply_options {
   void *context;                       /* its argument */
   uint64_t max_operations;             /* more end the batch: RESOURCE_EXHAUSTED; 0: no limit */
 } dynmesh_apply_options;
-void dynmesh_default_apply_options(dynmesh_apply_options *options);
+void dynmesh_fill_apply_options(dynmesh_apply_options *options, size_t size);
+static inline void dynmesh_default_apply_options(dynmesh_apply_options *options) {
+  dynmesh_fill_apply_options(options, sizeof *options);
+}
 
 /* Makes the next revision: all edits or none. An empty batch makes none. `options` may be NULL. Time is
  * that of the change, not of the mesh. Columns of the mesh that were handed out end.
@@ -265,7 +273,10 @@ typedef struct dynmesh_field {
   int32_t bounded;    /* each component stays within its old values */
 } dynmesh_field;
 /* One component, P1, one ring, not bounded. */
-void dynmesh_default_field(dynmesh_field *field);
+void dynmesh_fill_field(dynmesh_field *field, size_t size);
+static inline void dynmesh_default_field(dynmesh_field *field) {
+  dynmesh_fill_field(field, sizeof *field);
+}
 
 /* Carries the field in `values` across the last dynmesh_apply without an error, in place and
  * conservatively: a row of each slot, of vertices or of cells; those behind the former end count as
@@ -291,7 +302,10 @@ typedef struct dynmesh_choice {
   int32_t reserved; /* 0 */
 } dynmesh_choice;
 /* All that polygons enclose. */
-void dynmesh_default_choice(dynmesh_choice *choice);
+void dynmesh_fill_choice(dynmesh_choice *choice, size_t size);
+static inline void dynmesh_default_choice(dynmesh_choice *choice) {
+  dynmesh_fill_choice(choice, sizeof *choice);
+}
 
 /* A part, freed by dynmesh_part_free. O(mesh). It needs the mesh for the calls that take it, only. */
 int dynmesh_part_new(const dynmesh_mesh *mesh, const dynmesh_choice *choice, dynmesh_part **part,
@@ -328,8 +342,11 @@ enum {
  * in core/include/dynmesh/files.h. `flags`: a sum of the above. */
 int dynmesh_read(const char *path, int flags, dynmesh_input **input, dynmesh_error *error);
 void dynmesh_input_free(dynmesh_input *input);
-/* Options for a mesh of it. */
-void dynmesh_input_options(const dynmesh_input *input, dynmesh_options *options);
+/* Options for a mesh of it, in a structure of `size` bytes. */
+void dynmesh_input_fill_options(const dynmesh_input *input, dynmesh_options *options, size_t size);
+static inline void dynmesh_input_options(const dynmesh_input *input, dynmesh_options *options) {
+  dynmesh_input_fill_options(input, options, sizeof *options);
+}
 /* A batch that adds all its features; it ends with the input. */
 const dynmesh_batch *dynmesh_input_batch(const dynmesh_input *input);
 

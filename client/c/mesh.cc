@@ -14,15 +14,6 @@ absl::Status NoSuch(const char* what, int which) {
                                     std::to_string(which));
 }
 
-// INVALID_ARGUMENT if the structure is not one of this library or of a later one.
-template <class S>
-absl::Status CheckSize(const S* options) {
-  if (options == nullptr) return absl::InvalidArgumentError("a structure is missing");
-  if (options->size >= sizeof(S)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "the structure's member `size` is too small: set it with a function dynmesh_default_...");
-}
-
 absl::StatusOr<dynmesh_column> ArrayOf(const SlotMesh& mesh, int which) {
   const auto d = static_cast<std::size_t>(mesh.dimension());
   switch (which) {
@@ -85,8 +76,9 @@ absl::StatusOr<dynmesh_column> DiffOf(const dynmesh_mesh& mesh, int which) {
 }
 
 absl::Status Open(const dynmesh_options* options, dynmesh_mesh** mesh) {
-  if (auto status = CheckSize(options); !status.ok()) return status;
-  auto mesher = DynamicMesh::Create(OptionsOf(*options));
+  const auto asked = OptionsOf(options);
+  if (!asked.ok()) return asked.status();
+  auto mesher = DynamicMesh::Create(*asked);
   if (!mesher.ok()) return mesher.status();
   auto slots = SlotMesh::FromMesh((*mesher)->Snapshot());
   if (!slots.ok()) return slots.status();
@@ -100,13 +92,14 @@ absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
     return absl::DataLossError("memory ran out in an edit of this mesh: open a new one");
   }
   ApplyOptions apply;
+  dynmesh_apply_options given = DefaultApplyOptions();
   if (options != nullptr) {
-    if (auto status = CheckSize(options); !status.ok()) return status;
-    if (options->interrupted != nullptr) {
-      apply.interrupted = [options] { return options->interrupted(options->context) != 0; };
-    }
-    apply.max_operations = options->max_operations;
+    if (auto status = ReadStructure(options, &given); !status.ok()) return status;
   }
+  if (given.interrupted != nullptr) {
+    apply.interrupted = [&given] { return given.interrupted(given.context) != 0; };
+  }
+  apply.max_operations = given.max_operations;
   // As the last step of the edit: if the slots cannot follow, the edit is undone.
   apply.commit = [mesh](const MeshDiff& diff) {
     if (diff.from_revision == diff.to_revision) return absl::OkStatus();
@@ -146,8 +139,9 @@ absl::Status Locate(const dynmesh_mesh& mesh, const dynmesh_column& places, std:
   return absl::OkStatus();
 }
 
-absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* field) {
-  if (auto status = CheckSize(field); !status.ok()) return status;
+absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* given) {
+  dynmesh_field field = DefaultField();
+  if (auto status = ReadStructure(given, &field); !status.ok()) return status;
   FieldOptions options;
   constexpr FieldKind kKinds[] = {FieldKind::kP0,
                                   FieldKind::kP0Linear,
@@ -156,13 +150,13 @@ absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* field) {
                                   FieldKind::kDual,
                                   FieldKind::kDualCorners,
                                   FieldKind::kLargestOverlap};
-  if (field->kind < DYNMESH_P0 || field->kind > DYNMESH_OVERLAP) {
-    return NoSuch("kind of field", field->kind);
+  if (field.kind < DYNMESH_P0 || field.kind > DYNMESH_OVERLAP) {
+    return NoSuch("kind of field", field.kind);
   }
-  options.kind = kKinds[field->kind - DYNMESH_P0];
-  options.components = field->components;
-  options.rings = field->rings;
-  options.bounded = field->bounded != 0;
+  options.kind = kKinds[field.kind - DYNMESH_P0];
+  options.components = field.components;
+  options.rings = field.rings;
+  options.bounded = field.bounded != 0;
   if (options.components < 1) return absl::InvalidArgumentError("a field has 1 component or more");
   return options;
 }
@@ -250,11 +244,6 @@ uint64_t dynmesh_count(const dynmesh_mesh* mesh, int which) {
   }
 }
 
-void dynmesh_default_apply_options(dynmesh_apply_options* options) {
-  *options = {};
-  options->size = sizeof(*options);
-}
-
 int dynmesh_apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
                   const dynmesh_apply_options* options, dynmesh_error* error) {
   return dynmesh::c::Guarded(error, [&] { return dynmesh::c::Apply(mesh, batch, options); });
@@ -275,12 +264,6 @@ int dynmesh_diff(const dynmesh_mesh* mesh, int which, dynmesh_column* column,
 int dynmesh_locate(const dynmesh_mesh* mesh, dynmesh_column places, int32_t* cells,
                    dynmesh_error* error) {
   return dynmesh::c::Guarded(error, [&] { return dynmesh::c::Locate(*mesh, places, cells); });
-}
-
-void dynmesh_default_field(dynmesh_field* field) {
-  *field = {};
-  field->size = sizeof(*field);
-  field->kind = DYNMESH_P1, field->components = 1, field->rings = 1;
 }
 
 int dynmesh_carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* values, size_t rows,

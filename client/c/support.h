@@ -2,8 +2,10 @@
 #ifndef DYNMESH_CLIENT_C_SUPPORT_H_
 #define DYNMESH_CLIENT_C_SUPPORT_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <span>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/c/dynmesh.h"
 #include "dynmesh/options.h"
 
@@ -63,8 +66,37 @@ const T* RowOf(const dynmesh_column& column, std::size_t i) {
 absl::Status ReadIds(const dynmesh_column& column, const char* name,
                      std::vector<std::uint64_t>* ids);
 
-MeshOptions OptionsOf(const dynmesh_options& options);
-void SetOptions(const MeshOptions& from, dynmesh_options* to);
+// Writes `from` to the caller's structure of `size` bytes: no more than these. Bytes of members
+// that are not known here become 0.
+template <class S>
+void Fill(const S& from, S* to, std::size_t size) {
+  std::memset(static_cast<void*>(to), 0, size);
+  std::memcpy(static_cast<void*>(to), &from, std::min(size, sizeof(S)));
+  if (size >= sizeof(size)) std::memcpy(static_cast<void*>(to), &size, sizeof(size));
+}
+
+// Reads the caller's structure, which has `size` bytes by its first member, over the defaults in
+// `to`. INVALID_ARGUMENT unless it has a member.
+template <class S>
+absl::Status ReadStructure(const S* from, S* to) {
+  if (from == nullptr) return absl::InvalidArgumentError("a structure is missing");
+  if (from->size <= sizeof(from->size)) {
+    return absl::InvalidArgumentError(
+        "the structure's member `size` is too small: set it with a function dynmesh_default_...");
+  }
+  std::memcpy(static_cast<void*>(to), from, std::min(from->size, sizeof(S)));
+  return absl::OkStatus();
+}
+
+// The defaults.
+dynmesh_options DefaultOptions(std::int32_t dimension);
+dynmesh_apply_options DefaultApplyOptions();
+dynmesh_field DefaultField();
+dynmesh_choice DefaultChoice();
+
+// The options in the caller's structure. INVALID_ARGUMENT as ReadStructure.
+absl::StatusOr<MeshOptions> OptionsOf(const dynmesh_options* options);
+dynmesh_options OptionsFor(const MeshOptions& from);
 
 }  // namespace dynmesh::c
 

@@ -210,6 +210,73 @@ static void an_empty_batch_carries_nothing(dynmesh_mesh *mesh, dynmesh_batch *ba
   free(values);
 }
 
+/* Options of a program that was compiled for an earlier header, and of one for a later one. */
+static void structures_of_other_sizes(dynmesh_mesh *mesh) {
+  struct {
+    dynmesh_options known;
+    double later[4];
+  } larger;
+  struct {
+    dynmesh_choice known;
+    int64_t later;
+  } choice;
+  dynmesh_error error;
+  dynmesh_options usual, smaller;
+  dynmesh_mesh *others[2];
+  char hashes[2][33];
+  const size_t size = offsetof(dynmesh_options, quality);
+
+  dynmesh_default_options(3, &usual);
+  memset(&smaller, 0x5a, sizeof smaller);
+  dynmesh_fill_options(3, &smaller, size);
+  EXPECT(smaller.size == size && usual.size == sizeof usual);
+  EXPECT(memcmp(&smaller.dimension, &usual.dimension,
+                size - offsetof(dynmesh_options, dimension)) == 0);
+  for (size_t i = size; i < sizeof smaller; ++i) EXPECT(((unsigned char *)&smaller)[i] == 0x5a);
+  EXPECT(!dynmesh_open(&usual, &others[0], &error));
+  EXPECT(!dynmesh_open(&smaller, &others[1], &error)); /* with the quality that is usual in 3D */
+  for (int i = 0; i < 2; ++i) dynmesh_hash(others[i], hashes[i]), dynmesh_close(others[i]);
+  EXPECT(strcmp(hashes[0], hashes[1]) == 0);
+
+  memset(&larger, 0x5a, sizeof larger);
+  dynmesh_fill_options(2, &larger.known, sizeof larger);
+  EXPECT(larger.known.size == sizeof larger && larger.known.max_vertices == usual.max_vertices);
+  for (int i = 0; i < 4; ++i) EXPECT(larger.later[i] == 0);
+  EXPECT(!dynmesh_open(&larger.known, &others[0], &error));
+  dynmesh_close(others[0]);
+  larger.known.size = sizeof larger.known.size;
+  EXPECT(dynmesh_open(&larger.known, &others[0], &error) == DYNMESH_INVALID_ARGUMENT);
+
+  dynmesh_apply_options apply;
+  dynmesh_batch *empty;
+  memset(&apply, 0x5a, sizeof apply);
+  dynmesh_fill_apply_options(&apply, offsetof(dynmesh_apply_options, max_operations));
+  EXPECT(apply.interrupted == NULL && apply.max_operations == 0x5a5a5a5a5a5a5a5a);
+  EXPECT(!dynmesh_batch_new(&empty, &error) && !dynmesh_apply(mesh, empty, &apply, &error));
+  dynmesh_batch_free(empty);
+
+  dynmesh_field field;
+  const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  double *values = calloc(rows, sizeof *values);
+  memset(&field, 0x5a, sizeof field);
+  dynmesh_fill_field(&field, offsetof(dynmesh_field, components));
+  EXPECT(field.kind == DYNMESH_P1 && field.components == 0x5a5a5a5a);
+  EXPECT(!dynmesh_carry(mesh, &field, values, rows, 8, &error)); /* one component */
+  free(values);
+
+  dynmesh_part *part;
+  memset(&choice, 0x5a, sizeof choice);
+  dynmesh_fill_choice(&choice.known, sizeof choice);
+  EXPECT(choice.known.inside == 1 && choice.later == 0);
+  EXPECT(!dynmesh_part_new(mesh, &choice.known, &part, &error));
+  dynmesh_part_free(part);
+  memset(&choice, 0x5a, sizeof choice);
+  dynmesh_fill_choice(&choice.known, offsetof(dynmesh_choice, open));
+  EXPECT(choice.known.inside == 0x5a5a5a5a);
+  EXPECT(!dynmesh_part_new(mesh, &choice.known, &part, &error));
+  dynmesh_part_free(part);
+}
+
 static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) {
   dynmesh_error error;
   dynmesh_input *input;
@@ -225,6 +292,11 @@ static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) 
   fclose(file);
   EXPECT(!dynmesh_read(path, 0, &input, &error));
   dynmesh_input_options(input, &options);
+  dynmesh_options smaller;
+  memset(&smaller, 0x5a, sizeof smaller);
+  dynmesh_input_fill_options(input, &smaller, offsetof(dynmesh_options, high));
+  EXPECT(memcmp(smaller.low, options.low, sizeof options.low) == 0 &&
+         smaller.max_vertices == 0x5a5a5a5a5a5a5a5a);
   EXPECT(options.dimension == 2 && dynmesh_batch_count(dynmesh_input_batch(input)) == 8);
   EXPECT(!dynmesh_open(&options, &other, &error));
   EXPECT(!dynmesh_apply(other, dynmesh_input_batch(input), NULL, &error));
@@ -283,6 +355,7 @@ int main(int argc, char **argv) {
   arrays_and_diffs_agree(mesh);
   strides_of_fields(mesh, batch);
   an_empty_batch_carries_nothing(mesh, batch);
+  structures_of_other_sizes(mesh);
   files(argv[1], mesh, batch);
   dynmesh_batch_free(batch);
   dynmesh_batch_free(NULL);
