@@ -14,7 +14,8 @@
  *
  * Errors. A function that may fail returns a code, DYNMESH_OK or one of the others, and describes it
  * in `error`, which is the caller's and may be NULL. A call that fails has changed nothing, unless it
- * says so. No exception leaves the library.
+ * says so. No exception leaves the library. If memory runs out a call returns RESOURCE_EXHAUSTED; but
+ * where a hash table of Abseil grows at that moment, the process may end.
  *
  * Memory. What `..._new`, `dynmesh_open`, `dynmesh_read` and `dynmesh_part_new` make is freed by the
  * function that they name, which takes NULL, too. Nothing else changes hands: columns that come in
@@ -61,7 +62,7 @@ enum {
   DYNMESH_OUT_OF_RANGE = 11,
   DYNMESH_UNIMPLEMENTED = 12,
   DYNMESH_UNAVAILABLE = 14, /* a file cannot be written */
-  DYNMESH_DATA_LOSS = 15    /* memory ran out in an edit before: the mesh can be read only */
+  DYNMESH_DATA_LOSS = 15    /* an edit before was broken off: the mesh can be read only */
 };
 
 /* Texts end with 0 and are cut to fit. */
@@ -202,8 +203,8 @@ static inline void dynmesh_default_apply_options(dynmesh_apply_options *options)
 /* Makes the next revision: all edits or none. An empty batch makes none. `options` may be NULL. Time is
  * that of the change, not of the mesh. Columns of the mesh that were handed out end.
  *
- * On an error the mesh is as it was. Only if memory runs out it is then read only: later calls
- * return DATA_LOSS. */
+ * On an error the mesh is as it was. Only if memory runs out, or by a fault of the library (INTERNAL),
+ * it is then read only: later calls return DATA_LOSS. */
 int dynmesh_apply(dynmesh_mesh *mesh, const dynmesh_batch *batch, const dynmesh_apply_options *options,
                   dynmesh_error *error);
 

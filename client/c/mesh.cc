@@ -89,7 +89,8 @@ absl::Status Open(const dynmesh_options* options, dynmesh_mesh** mesh) {
 absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
                    const dynmesh_apply_options* options) {
   if (mesh->is_lost) {
-    return absl::DataLossError("memory ran out in an edit of this mesh: open a new one");
+    return absl::DataLossError(
+        "an edit of this mesh was broken off, as by lack of memory: open a new one");
   }
   ApplyOptions apply;
   dynmesh_apply_options given = DefaultApplyOptions();
@@ -114,8 +115,11 @@ absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
     return absl::OkStatus();
   } catch (const std::bad_alloc&) {
     mesh->is_lost = true;
-    return absl::ResourceExhaustedError(
+    return absl::ResourceExhaustedError(  // or throws, which is reported as well
         "memory ran out in the middle of the edit: this mesh can be read, and takes no more edits");
+  } catch (...) {
+    mesh->is_lost = true;
+    throw;
   }
 }
 

@@ -29,7 +29,7 @@ struct dynmesh_mesh {
   bool has_diff = false;                      // is there one?
   std::optional<dynmesh::Transfer> transfer;  // across it, once it is needed
   bool was_empty = false;                     // the last batch applied has changed nothing
-  bool is_lost = false;                       // memory ran out in an edit
+  bool is_lost = false;                       // an edit was broken off
 };
 
 struct dynmesh_part {

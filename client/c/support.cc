@@ -38,13 +38,18 @@ void SetText(char (&to)[kSize], std::string_view from) {
 
 }  // namespace
 
-int Report(const absl::Status& status, dynmesh_error* error) noexcept {
-  const int code = CodeOf(status.code());
+int ReportText(int code, std::string_view text, dynmesh_error* error) noexcept {
   if (error == nullptr) return code;
   *error = {};
   error->code = code, error->edit = -1;
-  if (status.ok()) return code;
-  SetText(error->message, {status.message().data(), status.message().size()});
+  SetText(error->message, text);
+  return code;
+}
+
+int Report(const absl::Status& status, dynmesh_error* error) noexcept {
+  const int code =
+      ReportText(CodeOf(status.code()), {status.message().data(), status.message().size()}, error);
+  if (error == nullptr || status.ok()) return code;
   try {
     const auto detail = GetErrorDetail(status);
     if (!detail) return code;

@@ -10,6 +10,7 @@
 #include <new>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -23,17 +24,20 @@ namespace dynmesh::c {
 // The code of `status`; describes it in `error` unless that is null.
 int Report(const absl::Status& status, dynmesh_error* error) noexcept;
 
+// Describes an error in `error` unless that is null; returns its code. Takes no memory.
+int ReportText(int code, std::string_view text, dynmesh_error* error) noexcept;
+
 // The code of the status that `f` returns. What it throws becomes one.
 template <class F>
 int Guarded(dynmesh_error* error, F f) noexcept {
   try {
     return Report(f(), error);
   } catch (const std::bad_alloc&) {
-    return Report(absl::ResourceExhaustedError("memory ran out"), error);
+    return ReportText(DYNMESH_RESOURCE_EXHAUSTED, "memory ran out", error);
   } catch (const std::exception& e) {
-    return Report(absl::InternalError(e.what()), error);
+    return ReportText(DYNMESH_INTERNAL, e.what(), error);
   } catch (...) {
-    return Report(absl::InternalError("an unknown exception"), error);
+    return ReportText(DYNMESH_INTERNAL, "an unknown exception", error);
   }
 }
 
