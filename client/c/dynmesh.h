@@ -80,7 +80,8 @@ typedef struct dynmesh_error {
 enum { DYNMESH_F64 = 1, DYNMESH_I32 = 2, DYNMESH_U64 = 3, DYNMESH_U8 = 4, DYNMESH_I64 = 5 };
 
 /* `rows` rows of `width` numbers each, `stride` bytes from row to row. The numbers of a row lie side
- * by side. A column without rows may have NULL. */
+ * by side. `data` and `stride` of a column that comes in are multiples of 8 bytes; `stride` may be
+ * negative, or 0. A column without rows may have NULL. */
 typedef struct dynmesh_column {
   const void *data;
   size_t rows;
@@ -282,8 +283,9 @@ static inline void dynmesh_default_field(dynmesh_field *field) {
 /* Carries the field in `values` across the last dynmesh_apply without an error, in place and
  * conservatively: a row of each slot, of vertices or of cells; those behind the former end count as
  * nothing. Values outside the patch stay, to the bit; after an empty batch all do. `values` has `rows`
- * rows (dynmesh_count), `stride` bytes apart. Time is that of the change; what fields have in common is
- * computed once for each revision. FAILED_PRECONDITION before the first batch, and if nothing was there
+ * rows (dynmesh_count), `stride` bytes apart: a multiple of 8 bytes, and not less than a row. Time is
+ * that of the change if the rows lie side by side, else O(rows), since it works on a copy; what fields
+ * have in common is computed once for each revision. FAILED_PRECONDITION before the first batch, and if nothing was there
  * before. */
 int dynmesh_carry(dynmesh_mesh *mesh, const dynmesh_field *field, double *values, size_t rows,
                   ptrdiff_t stride, dynmesh_error *error);

@@ -129,6 +129,9 @@ absl::Status Locate(const dynmesh_mesh& mesh, const dynmesh_column& places, std:
     return absl::UnimplementedError("a quadtree has leaves, not cells of a triangulation");
   }
   if (auto status = CheckColumn(places, "places", DYNMESH_F64, d, d); !status.ok()) return status;
+  if (places.rows > 0 && (cells == nullptr || !IsAligned(cells, sizeof(*cells)))) {
+    return absl::InvalidArgumentError("`cells` is NULL or at no multiple of 4 bytes");
+  }
   std::vector<double> points;
   points.reserve(places.rows * static_cast<std::size_t>(d));
   for (std::size_t i = 0; i < places.rows; ++i) {
@@ -185,6 +188,9 @@ absl::Status Carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* value
                             (by_corner ? static_cast<std::size_t>(slots.dimension() + 1) : 1);
   if (stride % 8 != 0 || stride < static_cast<std::ptrdiff_t>(width * sizeof(double))) {
     return absl::InvalidArgumentError("the stride is less than a row or no multiple of 8 bytes");
+  }
+  if (rows > 0 && (values == nullptr || !IsAligned(values, sizeof(*values)))) {
+    return absl::InvalidArgumentError("`values` is NULL or at no multiple of 8 bytes");
   }
   if (mesh->was_empty) return absl::OkStatus();
   if (!mesh->transfer) {

@@ -80,6 +80,11 @@ absl::Status CheckColumn(const dynmesh_column& column, const char* name, std::in
                  (least == most ? std::string() : " to " + std::to_string(most)));
   }
   if (column.stride % 8 != 0) return wrong("has a stride that is no multiple of 8 bytes");
+  if (!IsAligned(column.data, 8)) return wrong("has data at no multiple of 8 bytes");
+  const auto width = static_cast<std::size_t>(column.width);
+  if (column.rows > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(double) / width) {
+    return wrong("has more rows than there can be in memory");
+  }
   return absl::OkStatus();
 }
 

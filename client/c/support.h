@@ -55,7 +55,12 @@ dynmesh_column ColumnOf(std::span<const T> values, std::size_t width = 1) {
           static_cast<std::int32_t>(width), kTypeOf<T>};
 }
 
-// INVALID_ARGUMENT unless `column` has values of this type and `least` to `most` of them a row.
+inline bool IsAligned(const void* data, std::size_t bytes) {
+  return reinterpret_cast<std::uintptr_t>(data) % bytes == 0;
+}
+
+// INVALID_ARGUMENT unless `column` has values of this type, of 8 bytes, and `least` to `most` of
+// them a row, all at multiples of 8 bytes.
 absl::Status CheckColumn(const dynmesh_column& column, const char* name, std::int32_t type,
                          std::int32_t least, std::int32_t most);
 

@@ -54,6 +54,14 @@ static void columns_are_checked(dynmesh_batch *batch) {
   wrong = places_of_nodes(3), wrong.stride = 4;
   EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, NULL) ==
          DYNMESH_INVALID_ARGUMENT);
+  wrong = places_of_nodes(3), wrong.data = (const char *)wrong.data + 4;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(strstr(error.message, "multiple of 8") != NULL);
+  wrong = places_of_nodes(SIZE_MAX / 8), wrong.stride = 0;
+  dynmesh_column ids = ids_of_nodes(SIZE_MAX / 8);
+  ids.stride = 0;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids, wrong, NULL) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(2), places_of_nodes(3), NULL) ==
          DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_add_points(batch, 7, ids_of_nodes(3), places_of_nodes(3), NULL) ==
@@ -89,6 +97,30 @@ static void a_refused_batch_changes_nothing(dynmesh_mesh *mesh, dynmesh_batch *b
   EXPECT(dynmesh_apply(mesh, batch, &options, &error) == DYNMESH_INVALID_ARGUMENT);
   dynmesh_hash(mesh, after);
   EXPECT(strcmp(before, after) == 0 && dynmesh_revision(mesh) == 1);
+}
+
+/* Rows from the last one to the first: the same features. */
+static void strides_may_be_negative(void) {
+  dynmesh_error error;
+  dynmesh_options options;
+  dynmesh_batch *batch;
+  char hashes[2][33];
+  dynmesh_default_options(2, &options);
+  for (int i = 0; i < 2; ++i) {
+    dynmesh_mesh *mesh;
+    dynmesh_column ids = ids_of_nodes(3), places = places_of_nodes(3);
+    if (i == 1) {
+      ids.data = &kNodes[2].id, ids.stride = -ids.stride;
+      places.data = &kNodes[2].x, places.stride = -places.stride;
+    }
+    EXPECT(!dynmesh_open(&options, &mesh, &error) && !dynmesh_batch_new(&batch, &error));
+    EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, ids, places, &error));
+    EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+    dynmesh_hash(mesh, hashes[i]);
+    dynmesh_batch_free(batch);
+    dynmesh_close(mesh);
+  }
+  EXPECT(strcmp(hashes[0], hashes[1]) == 0);
 }
 
 static void labels_sizes_moves(dynmesh_mesh *mesh, dynmesh_batch *batch) {
@@ -140,6 +172,12 @@ static void arrays_and_diffs_agree(const dynmesh_mesh *mesh) {
   int32_t found[2] = {-7, -7};
   EXPECT(!dynmesh_locate(mesh, dynmesh_f64s(places, 2, 2), found, &error));
   EXPECT(found[0] >= 0 && found[1] == -1);
+  EXPECT(dynmesh_locate(mesh, dynmesh_f64s(places, 2, 2), NULL, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(!dynmesh_locate(mesh, dynmesh_f64s(NULL, 0, 2), NULL, &error));
+  dynmesh_column all = dynmesh_f64s(places, SIZE_MAX / 2 + 1, 2);
+  all.stride = 0;
+  EXPECT(dynmesh_locate(mesh, all, found, &error) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_locate(mesh, dynmesh_f64s(places, 1, 3), found, &error) ==
          DYNMESH_INVALID_ARGUMENT);
 }
@@ -165,6 +203,10 @@ static void strides_of_fields(dynmesh_mesh *mesh, dynmesh_batch *batch) {
   const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
   EXPECT(dynmesh_carry(mesh, &p1, one, rows + 1, 8, &error) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_carry(mesh, &p1, one, rows, 4, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, one, rows, -8, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, NULL, rows, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, (double *)((char *)one + 4), rows, 8, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
   EXPECT(!dynmesh_carry(mesh, &p1, one, rows, 8, &error));
   EXPECT(!dynmesh_carry(mesh, &p1, both, rows, 16, &error));
   for (size_t i = 0; i < before; ++i) EXPECT(both[2 * i] == one[i] && both[2 * i + 1] == -1);
@@ -348,6 +390,7 @@ int main(int argc, char **argv) {
   EXPECT(dynmesh_carry(mesh, &p1, &nothing, 1, 8, &error) == DYNMESH_FAILED_PRECONDITION);
 
   columns_are_checked(batch);
+  strides_may_be_negative();
   EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), places_of_nodes(3), &error));
   EXPECT(!dynmesh_apply(mesh, batch, NULL, &error) && dynmesh_revision(mesh) == 1);
   a_refused_batch_changes_nothing(mesh, batch);
