@@ -14,7 +14,8 @@
  *
  * Errors. A function that may fail returns a code, DYNMESH_OK or one of the others, and describes it
  * in `error`, which is the caller's and may be NULL. A call that fails has changed nothing, unless it
- * says so. No exception leaves the library.
+ * says so. No exception leaves the library. If memory runs out a call returns RESOURCE_EXHAUSTED; but
+ * where a hash table of Abseil grows at that moment, the process may end.
  *
  * Memory. What `..._new`, `dynmesh_open`, `dynmesh_read` and `dynmesh_part_new` make is freed by the
  * function that they name, which takes NULL, too. Nothing else changes hands: columns that come in
@@ -24,9 +25,11 @@
  * each other if one of them is not only reading: functions that take a `const` object read.
  * Different objects may be used by different threads at the same time.
  *
- * Versions. Structures with a member `size` grow at their end; `dynmesh_default_...` sets it. Values
- * of enumerations stay. libdynmesh.so.0 is compatible with programs that were compiled for an earlier
- * libdynmesh.so.0.
+ * Versions. Structures with a member `size` grow at their end, by whole members. `dynmesh_default_...`
+ * sets it to the size that the program was compiled with. The library writes no more, and members that
+ * are behind have their defaults; members that it does not know are set to 0 and not read. Values of
+ * enumerations stay. libdynmesh.so.0 is compatible with programs that were compiled for an earlier
+ * libdynmesh.so.0. Languages that do not compile this header call `dynmesh_fill_...` with their size.
  */
 #ifndef DYNMESH_H_
 #define DYNMESH_H_
@@ -59,7 +62,7 @@ enum {
   DYNMESH_OUT_OF_RANGE = 11,
   DYNMESH_UNIMPLEMENTED = 12,
   DYNMESH_UNAVAILABLE = 14, /* a file cannot be written */
-  DYNMESH_DATA_LOSS = 15    /* memory ran out in an edit before: the mesh can be read only */
+  DYNMESH_DATA_LOSS = 15    /* an edit before was broken off: the mesh can be read only */
 };
 
 /* Texts end with 0 and are cut to fit. */
@@ -77,7 +80,8 @@ typedef struct dynmesh_error {
 enum { DYNMESH_F64 = 1, DYNMESH_I32 = 2, DYNMESH_U64 = 3, DYNMESH_U8 = 4, DYNMESH_I64 = 5 };
 
 /* `rows` rows of `width` numbers each, `stride` bytes from row to row. The numbers of a row lie side
- * by side. A column without rows may have NULL. */
+ * by side. `data` and `stride` of a column that comes in are multiples of 8 bytes; `stride` may be
+ * negative, or 0. A column without rows may have NULL. */
 typedef struct dynmesh_column {
   const void *data;
   size_t rows;
@@ -120,8 +124,11 @@ typedef struct dynmesh_options {
   uint64_t max_vertices;
 } dynmesh_options;
 
-/* Those of a Delaunay mesh of the unit square or cube. */
-void dynmesh_default_options(int32_t dimension, dynmesh_options *options);
+/* Those of a Delaunay mesh of the unit square or cube, in a structure of `size` bytes. */
+void dynmesh_fill_options(int32_t dimension, dynmesh_options *options, size_t size);
+static inline void dynmesh_default_options(int32_t dimension, dynmesh_options *options) {
+  dynmesh_fill_options(dimension, options, sizeof *options);
+}
 
 typedef struct dynmesh_mesh dynmesh_mesh;
 
@@ -189,13 +196,16 @@ typedef struct dynmesh_apply_options {
   void *context;                       /* its argument */
   uint64_t max_operations;             /* more end the batch: RESOURCE_EXHAUSTED; 0: no limit */
 } dynmesh_apply_options;
-void dynmesh_default_apply_options(dynmesh_apply_options *options);
+void dynmesh_fill_apply_options(dynmesh_apply_options *options, size_t size);
+static inline void dynmesh_default_apply_options(dynmesh_apply_options *options) {
+  dynmesh_fill_apply_options(options, sizeof *options);
+}
 
 /* Makes the next revision: all edits or none. An empty batch makes none. `options` may be NULL. Time is
  * that of the change, not of the mesh. Columns of the mesh that were handed out end.
  *
- * On an error the mesh is as it was. Only if memory runs out it is then read only: later calls
- * return DATA_LOSS. */
+ * On an error the mesh is as it was. Only if memory runs out, or by a fault of the library (INTERNAL),
+ * it is then read only: later calls return DATA_LOSS. */
 int dynmesh_apply(dynmesh_mesh *mesh, const dynmesh_batch *batch, const dynmesh_apply_options *options,
                   dynmesh_error *error);
 
@@ -234,8 +244,9 @@ enum {
   DYNMESH_RELABELLED_CELLS = 7, /* i32: in both meshes, in another region now */
   DYNMESH_FORMER_REGIONS = 8    /* u64: of these, before */
 };
-/* The diff: a column of what the last dynmesh_apply has changed. O(1). A slot may be in a removed and
- * an added column. It ends with the next dynmesh_apply or dynmesh_close. */
+/* The diff: a column of what the last dynmesh_apply without an error has changed; after an empty batch
+ * it has no rows. O(1). A slot may be in a removed and an added column. It ends with the next
+ * dynmesh_apply or dynmesh_close. */
 int dynmesh_diff(const dynmesh_mesh *mesh, int which, dynmesh_column *column, dynmesh_error *error);
 
 /* For each of `places` (f64, dimension a row) the slot of a cell that contains it, in `cells`, which
@@ -264,13 +275,18 @@ typedef struct dynmesh_field {
   int32_t bounded;    /* each component stays within its old values */
 } dynmesh_field;
 /* One component, P1, one ring, not bounded. */
-void dynmesh_default_field(dynmesh_field *field);
+void dynmesh_fill_field(dynmesh_field *field, size_t size);
+static inline void dynmesh_default_field(dynmesh_field *field) {
+  dynmesh_fill_field(field, sizeof *field);
+}
 
-/* Carries the field in `values` across the last dynmesh_apply, in place and conservatively: a row of
- * each slot, of vertices or of cells; those behind the former end count as nothing. Values outside the
- * patch stay, to the bit. `values` has `rows` rows (dynmesh_count), `stride` bytes apart. Time is that
- * of the change; what fields have in common is computed once for each revision. FAILED_PRECONDITION
- * before the first batch, and if nothing was there before. */
+/* Carries the field in `values` across the last dynmesh_apply without an error, in place and
+ * conservatively: a row of each slot, of vertices or of cells; those behind the former end count as
+ * nothing. Values outside the patch stay, to the bit; after an empty batch all do. `values` has `rows`
+ * rows (dynmesh_count), `stride` bytes apart: a multiple of 8 bytes, and not less than a row. Time is
+ * that of the change if the rows lie side by side, else O(rows), since it works on a copy; what fields
+ * have in common is computed once for each revision. FAILED_PRECONDITION before the first batch, and if nothing was there
+ * before. */
 int dynmesh_carry(dynmesh_mesh *mesh, const dynmesh_field *field, double *values, size_t rows,
                   ptrdiff_t stride, dynmesh_error *error);
 
@@ -289,7 +305,10 @@ typedef struct dynmesh_choice {
   int32_t reserved; /* 0 */
 } dynmesh_choice;
 /* All that polygons enclose. */
-void dynmesh_default_choice(dynmesh_choice *choice);
+void dynmesh_fill_choice(dynmesh_choice *choice, size_t size);
+static inline void dynmesh_default_choice(dynmesh_choice *choice) {
+  dynmesh_fill_choice(choice, sizeof *choice);
+}
 
 /* A part, freed by dynmesh_part_free. O(mesh). It needs the mesh for the calls that take it, only. */
 int dynmesh_part_new(const dynmesh_mesh *mesh, const dynmesh_choice *choice, dynmesh_part **part,
@@ -326,8 +345,11 @@ enum {
  * in core/include/dynmesh/files.h. `flags`: a sum of the above. */
 int dynmesh_read(const char *path, int flags, dynmesh_input **input, dynmesh_error *error);
 void dynmesh_input_free(dynmesh_input *input);
-/* Options for a mesh of it. */
-void dynmesh_input_options(const dynmesh_input *input, dynmesh_options *options);
+/* Options for a mesh of it, in a structure of `size` bytes. */
+void dynmesh_input_fill_options(const dynmesh_input *input, dynmesh_options *options, size_t size);
+static inline void dynmesh_input_options(const dynmesh_input *input, dynmesh_options *options) {
+  dynmesh_input_fill_options(input, options, sizeof *options);
+}
 /* A batch that adds all its features; it ends with the input. */
 const dynmesh_batch *dynmesh_input_batch(const dynmesh_input *input);
 

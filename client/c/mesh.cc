@@ -14,15 +14,6 @@ absl::Status NoSuch(const char* what, int which) {
                                     std::to_string(which));
 }
 
-// INVALID_ARGUMENT if the structure is not one of this library or of a later one.
-template <class S>
-absl::Status CheckSize(const S* options) {
-  if (options == nullptr) return absl::InvalidArgumentError("a structure is missing");
-  if (options->size >= sizeof(S)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "the structure's member `size` is too small: set it with a function dynmesh_default_...");
-}
-
 absl::StatusOr<dynmesh_column> ArrayOf(const SlotMesh& mesh, int which) {
   const auto d = static_cast<std::size_t>(mesh.dimension());
   switch (which) {
@@ -58,8 +49,9 @@ dynmesh_column ColumnOfVector(const std::vector<T>& values, std::size_t width = 
   return ColumnOf(std::span<const T>(values), width);
 }
 
-absl::StatusOr<dynmesh_column> DiffOf(const SlotMesh& mesh, int which) {
-  const MeshPatch& patch = mesh.patch();
+absl::StatusOr<dynmesh_column> DiffOf(const dynmesh_mesh& mesh, int which) {
+  static const MeshPatch kNoPatch;
+  const MeshPatch& patch = mesh.was_empty ? kNoPatch : mesh.slots.patch();
   switch (which) {
     case DYNMESH_REMOVED_VERTICES:
       return ColumnOfVector(patch.removed_vertices);
@@ -68,7 +60,8 @@ absl::StatusOr<dynmesh_column> DiffOf(const SlotMesh& mesh, int which) {
     case DYNMESH_REMOVED_CELLS:
       return ColumnOfVector(patch.removed_simplices);
     case DYNMESH_REMOVED_CORNERS:
-      return ColumnOfVector(patch.removed_corners, static_cast<std::size_t>(mesh.dimension() + 1));
+      return ColumnOfVector(patch.removed_corners,
+                            static_cast<std::size_t>(mesh.slots.dimension() + 1));
     case DYNMESH_REMOVED_REGIONS:
       return ColumnOfVector(patch.removed_regions);
     case DYNMESH_ADDED_CELLS:
@@ -83,8 +76,9 @@ absl::StatusOr<dynmesh_column> DiffOf(const SlotMesh& mesh, int which) {
 }
 
 absl::Status Open(const dynmesh_options* options, dynmesh_mesh** mesh) {
-  if (auto status = CheckSize(options); !status.ok()) return status;
-  auto mesher = DynamicMesh::Create(OptionsOf(*options));
+  const auto asked = OptionsOf(options);
+  if (!asked.ok()) return asked.status();
+  auto mesher = DynamicMesh::Create(*asked);
   if (!mesher.ok()) return mesher.status();
   auto slots = SlotMesh::FromMesh((*mesher)->Snapshot());
   if (!slots.ok()) return slots.status();
@@ -95,16 +89,18 @@ absl::Status Open(const dynmesh_options* options, dynmesh_mesh** mesh) {
 absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
                    const dynmesh_apply_options* options) {
   if (mesh->is_lost) {
-    return absl::DataLossError("memory ran out in an edit of this mesh: open a new one");
+    return absl::DataLossError(
+        "an edit of this mesh was broken off, as by lack of memory: open a new one");
   }
   ApplyOptions apply;
+  dynmesh_apply_options given = DefaultApplyOptions();
   if (options != nullptr) {
-    if (auto status = CheckSize(options); !status.ok()) return status;
-    if (options->interrupted != nullptr) {
-      apply.interrupted = [options] { return options->interrupted(options->context) != 0; };
-    }
-    apply.max_operations = options->max_operations;
+    if (auto status = ReadStructure(options, &given); !status.ok()) return status;
   }
+  if (given.interrupted != nullptr) {
+    apply.interrupted = [&given] { return given.interrupted(given.context) != 0; };
+  }
+  apply.max_operations = given.max_operations;
   // As the last step of the edit: if the slots cannot follow, the edit is undone.
   apply.commit = [mesh](const MeshDiff& diff) {
     if (diff.from_revision == diff.to_revision) return absl::OkStatus();
@@ -114,13 +110,16 @@ absl::Status Apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
   try {
     auto diff = mesh->mesher->Apply(batch->edits, apply);
     if (!diff.ok()) return diff.status();
-    if (diff->from_revision == diff->to_revision) return absl::OkStatus();
-    mesh->diff = *std::move(diff), mesh->has_diff = true;
+    mesh->was_empty = diff->from_revision == diff->to_revision;
+    if (!mesh->was_empty) mesh->diff = *std::move(diff), mesh->has_diff = true;
     return absl::OkStatus();
   } catch (const std::bad_alloc&) {
     mesh->is_lost = true;
-    return absl::ResourceExhaustedError(
+    return absl::ResourceExhaustedError(  // or throws, which is reported as well
         "memory ran out in the middle of the edit: this mesh can be read, and takes no more edits");
+  } catch (...) {
+    mesh->is_lost = true;
+    throw;
   }
 }
 
@@ -130,6 +129,9 @@ absl::Status Locate(const dynmesh_mesh& mesh, const dynmesh_column& places, std:
     return absl::UnimplementedError("a quadtree has leaves, not cells of a triangulation");
   }
   if (auto status = CheckColumn(places, "places", DYNMESH_F64, d, d); !status.ok()) return status;
+  if (places.rows > 0 && (cells == nullptr || !IsAligned(cells, sizeof(*cells)))) {
+    return absl::InvalidArgumentError("`cells` is NULL or at no multiple of 4 bytes");
+  }
   std::vector<double> points;
   points.reserve(places.rows * static_cast<std::size_t>(d));
   for (std::size_t i = 0; i < places.rows; ++i) {
@@ -144,8 +146,9 @@ absl::Status Locate(const dynmesh_mesh& mesh, const dynmesh_column& places, std:
   return absl::OkStatus();
 }
 
-absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* field) {
-  if (auto status = CheckSize(field); !status.ok()) return status;
+absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* given) {
+  dynmesh_field field = DefaultField();
+  if (auto status = ReadStructure(given, &field); !status.ok()) return status;
   FieldOptions options;
   constexpr FieldKind kKinds[] = {FieldKind::kP0,
                                   FieldKind::kP0Linear,
@@ -154,13 +157,13 @@ absl::StatusOr<FieldOptions> FieldOf(const dynmesh_field* field) {
                                   FieldKind::kDual,
                                   FieldKind::kDualCorners,
                                   FieldKind::kLargestOverlap};
-  if (field->kind < DYNMESH_P0 || field->kind > DYNMESH_OVERLAP) {
-    return NoSuch("kind of field", field->kind);
+  if (field.kind < DYNMESH_P0 || field.kind > DYNMESH_OVERLAP) {
+    return NoSuch("kind of field", field.kind);
   }
-  options.kind = kKinds[field->kind - DYNMESH_P0];
-  options.components = field->components;
-  options.rings = field->rings;
-  options.bounded = field->bounded != 0;
+  options.kind = kKinds[field.kind - DYNMESH_P0];
+  options.components = field.components;
+  options.rings = field.rings;
+  options.bounded = field.bounded != 0;
   if (options.components < 1) return absl::InvalidArgumentError("a field has 1 component or more");
   return options;
 }
@@ -169,7 +172,9 @@ absl::Status Carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* value
                    std::ptrdiff_t stride) {
   const auto options = FieldOf(field);
   if (!options.ok()) return options.status();
-  if (!mesh->has_diff) return absl::FailedPreconditionError("no batch was applied yet");
+  if (!mesh->has_diff && !mesh->was_empty) {
+    return absl::FailedPreconditionError("no batch was applied yet");
+  }
   const SlotMesh& slots = mesh->slots;
   const bool by_vertex = options->kind == FieldKind::kP1 || options->kind == FieldKind::kDual;
   const bool by_corner =
@@ -184,6 +189,10 @@ absl::Status Carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* value
   if (stride % 8 != 0 || stride < static_cast<std::ptrdiff_t>(width * sizeof(double))) {
     return absl::InvalidArgumentError("the stride is less than a row or no multiple of 8 bytes");
   }
+  if (rows > 0 && (values == nullptr || !IsAligned(values, sizeof(*values)))) {
+    return absl::InvalidArgumentError("`values` is NULL or at no multiple of 8 bytes");
+  }
+  if (mesh->was_empty) return absl::OkStatus();
   if (!mesh->transfer) {
     auto transfer = Transfer::Make(slots);
     if (!transfer.ok()) return transfer.status();
@@ -245,11 +254,6 @@ uint64_t dynmesh_count(const dynmesh_mesh* mesh, int which) {
   }
 }
 
-void dynmesh_default_apply_options(dynmesh_apply_options* options) {
-  *options = {};
-  options->size = sizeof(*options);
-}
-
 int dynmesh_apply(dynmesh_mesh* mesh, const dynmesh_batch* batch,
                   const dynmesh_apply_options* options, dynmesh_error* error) {
   return dynmesh::c::Guarded(error, [&] { return dynmesh::c::Apply(mesh, batch, options); });
@@ -264,18 +268,12 @@ int dynmesh_array(const dynmesh_mesh* mesh, int which, dynmesh_column* column,
 int dynmesh_diff(const dynmesh_mesh* mesh, int which, dynmesh_column* column,
                  dynmesh_error* error) {
   return dynmesh::c::Guarded(
-      error, [&] { return dynmesh::c::Give(dynmesh::c::DiffOf(mesh->slots, which), column); });
+      error, [&] { return dynmesh::c::Give(dynmesh::c::DiffOf(*mesh, which), column); });
 }
 
 int dynmesh_locate(const dynmesh_mesh* mesh, dynmesh_column places, int32_t* cells,
                    dynmesh_error* error) {
   return dynmesh::c::Guarded(error, [&] { return dynmesh::c::Locate(*mesh, places, cells); });
-}
-
-void dynmesh_default_field(dynmesh_field* field) {
-  *field = {};
-  field->size = sizeof(*field);
-  field->kind = DYNMESH_P1, field->components = 1, field->rings = 1;
 }
 
 int dynmesh_carry(dynmesh_mesh* mesh, const dynmesh_field* field, double* values, size_t rows,

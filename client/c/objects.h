@@ -28,7 +28,8 @@ struct dynmesh_mesh {
   dynmesh::MeshDiff diff;                     // the last one that was not empty
   bool has_diff = false;                      // is there one?
   std::optional<dynmesh::Transfer> transfer;  // across it, once it is needed
-  bool is_lost = false;                       // memory ran out in an edit
+  bool was_empty = false;                     // the last batch applied has changed nothing
+  bool is_lost = false;                       // an edit was broken off
 };
 
 struct dynmesh_part {

@@ -10,15 +10,14 @@
 namespace dynmesh::c {
 namespace {
 
-absl::StatusOr<PartChoice> ChoiceOf(const dynmesh_choice* choice) {
-  if (choice == nullptr || choice->size < sizeof(*choice)) {
-    return absl::InvalidArgumentError("set the choice with dynmesh_default_choice first");
-  }
+absl::StatusOr<PartChoice> ChoiceOf(const dynmesh_choice* given) {
+  dynmesh_choice choice = DefaultChoice();
+  if (auto status = ReadStructure(given, &choice); !status.ok()) return status;
   PartChoice result;
-  result.inside = choice->inside != 0;
-  if (auto s = ReadIds(choice->polygons, "polygons", &result.polygons); !s.ok()) return s;
-  if (auto s = ReadIds(choice->without, "without", &result.without); !s.ok()) return s;
-  if (auto s = ReadIds(choice->open, "open", &result.open); !s.ok()) return s;
+  result.inside = choice.inside != 0;
+  if (auto s = ReadIds(choice.polygons, "polygons", &result.polygons); !s.ok()) return s;
+  if (auto s = ReadIds(choice.without, "without", &result.without); !s.ok()) return s;
+  if (auto s = ReadIds(choice.open, "open", &result.open); !s.ok()) return s;
   return result;
 }
 
@@ -95,11 +94,6 @@ absl::Status Write(const dynmesh_mesh& mesh, const dynmesh_part* part, const cha
 
 extern "C" {
 
-void dynmesh_default_choice(dynmesh_choice* choice) {
-  *choice = {};
-  choice->size = sizeof(*choice), choice->inside = 1;
-}
-
 int dynmesh_part_new(const dynmesh_mesh* mesh, const dynmesh_choice* choice, dynmesh_part** part,
                      dynmesh_error* error) {
   *part = nullptr;
@@ -128,8 +122,8 @@ int dynmesh_read(const char* path, int flags, dynmesh_input** input, dynmesh_err
 
 void dynmesh_input_free(dynmesh_input* input) { delete input; }
 
-void dynmesh_input_options(const dynmesh_input* input, dynmesh_options* options) {
-  dynmesh::c::SetOptions(input->options, options);
+void dynmesh_input_fill_options(const dynmesh_input* input, dynmesh_options* options, size_t size) {
+  dynmesh::c::Fill(dynmesh::c::OptionsFor(input->options), options, size);
 }
 
 const dynmesh_batch* dynmesh_input_batch(const dynmesh_input* input) { return &input->batch; }

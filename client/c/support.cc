@@ -38,13 +38,18 @@ void SetText(char (&to)[kSize], std::string_view from) {
 
 }  // namespace
 
-int Report(const absl::Status& status, dynmesh_error* error) noexcept {
-  const int code = CodeOf(status.code());
+int ReportText(int code, std::string_view text, dynmesh_error* error) noexcept {
   if (error == nullptr) return code;
   *error = {};
   error->code = code, error->edit = -1;
-  if (status.ok()) return code;
-  SetText(error->message, {status.message().data(), status.message().size()});
+  SetText(error->message, text);
+  return code;
+}
+
+int Report(const absl::Status& status, dynmesh_error* error) noexcept {
+  const int code =
+      ReportText(CodeOf(status.code()), {status.message().data(), status.message().size()}, error);
+  if (error == nullptr || status.ok()) return code;
   try {
     const auto detail = GetErrorDetail(status);
     if (!detail) return code;
@@ -75,6 +80,11 @@ absl::Status CheckColumn(const dynmesh_column& column, const char* name, std::in
                  (least == most ? std::string() : " to " + std::to_string(most)));
   }
   if (column.stride % 8 != 0) return wrong("has a stride that is no multiple of 8 bytes");
+  if (!IsAligned(column.data, 8)) return wrong("has data at no multiple of 8 bytes");
+  const auto width = static_cast<std::size_t>(column.width);
+  if (column.rows > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(double) / width) {
+    return wrong("has more rows than there can be in memory");
+  }
   return absl::OkStatus();
 }
 
@@ -86,32 +96,58 @@ absl::Status ReadIds(const dynmesh_column& column, const char* name,
   return absl::OkStatus();
 }
 
-MeshOptions OptionsOf(const dynmesh_options& options) {
+absl::StatusOr<MeshOptions> OptionsOf(const dynmesh_options* options) {
+  dynmesh_options given = {};
+  if (auto status = ReadStructure(options, &given); !status.ok()) return status;
+  given = DefaultOptions(given.dimension);  // and once more, over those of the dimension
+  if (auto status = ReadStructure(options, &given); !status.ok()) return status;
   MeshOptions result;
-  result.dimension = options.dimension;
-  result.kind = static_cast<MeshKind>(options.kind);
-  result.criterion = static_cast<Criterion>(options.criterion);
-  std::copy_n(options.low, 3, result.box.lo.begin());
-  std::copy_n(options.high, 3, result.box.hi.begin());
-  result.quality = options.quality;
-  result.max_edge = options.max_edge;
-  result.min_dihedral = options.min_dihedral;
-  result.limits.max_vertices = options.max_vertices;
+  result.dimension = given.dimension;
+  result.kind = static_cast<MeshKind>(given.kind);
+  result.criterion = static_cast<Criterion>(given.criterion);
+  std::copy_n(given.low, 3, result.box.lo.begin());
+  std::copy_n(given.high, 3, result.box.hi.begin());
+  result.quality = given.quality;
+  result.max_edge = given.max_edge;
+  result.min_dihedral = given.min_dihedral;
+  result.limits.max_vertices = given.max_vertices;
   return result;
 }
 
-void SetOptions(const MeshOptions& from, dynmesh_options* to) {
-  *to = {};
-  to->size = sizeof(*to);
-  to->dimension = from.dimension;
-  to->kind = static_cast<std::int32_t>(from.kind);
-  to->criterion = static_cast<std::int32_t>(from.criterion);
-  std::copy_n(from.box.lo.begin(), 3, to->low);
-  std::copy_n(from.box.hi.begin(), 3, to->high);
-  to->quality = from.quality;
-  to->max_edge = from.max_edge;
-  to->min_dihedral = from.min_dihedral;
-  to->max_vertices = from.limits.max_vertices;
+dynmesh_options OptionsFor(const MeshOptions& from) {
+  dynmesh_options to = {};
+  to.dimension = from.dimension;
+  to.kind = static_cast<std::int32_t>(from.kind);
+  to.criterion = static_cast<std::int32_t>(from.criterion);
+  std::copy_n(from.box.lo.begin(), 3, to.low);
+  std::copy_n(from.box.hi.begin(), 3, to.high);
+  to.quality = from.quality;
+  to.max_edge = from.max_edge;
+  to.min_dihedral = from.min_dihedral;
+  to.max_vertices = from.limits.max_vertices;
+  return to;
+}
+
+dynmesh_options DefaultOptions(std::int32_t dimension) {
+  MeshOptions usual;
+  usual.dimension = dimension;
+  usual.quality = DefaultQuality(dimension);
+  usual.min_dihedral = DefaultMinDihedral(dimension);
+  return OptionsFor(usual);
+}
+
+dynmesh_apply_options DefaultApplyOptions() { return {}; }
+
+dynmesh_field DefaultField() {
+  dynmesh_field field = {};
+  field.kind = DYNMESH_P1, field.components = 1, field.rings = 1;
+  return field;
+}
+
+dynmesh_choice DefaultChoice() {
+  dynmesh_choice choice = {};
+  choice.inside = 1;
+  return choice;
 }
 
 }  // namespace dynmesh::c
@@ -120,12 +156,20 @@ extern "C" {
 
 const char* dynmesh_version(void) { return dynmesh::LinkedVersion(); }
 
-void dynmesh_default_options(int32_t dimension, dynmesh_options* options) {
-  dynmesh::MeshOptions usual;
-  usual.dimension = dimension;
-  usual.quality = dynmesh::DefaultQuality(dimension);
-  usual.min_dihedral = dynmesh::DefaultMinDihedral(dimension);
-  dynmesh::c::SetOptions(usual, options);
+void dynmesh_fill_options(int32_t dimension, dynmesh_options* options, size_t size) {
+  dynmesh::c::Fill(dynmesh::c::DefaultOptions(dimension), options, size);
+}
+
+void dynmesh_fill_apply_options(dynmesh_apply_options* options, size_t size) {
+  dynmesh::c::Fill(dynmesh::c::DefaultApplyOptions(), options, size);
+}
+
+void dynmesh_fill_field(dynmesh_field* field, size_t size) {
+  dynmesh::c::Fill(dynmesh::c::DefaultField(), field, size);
+}
+
+void dynmesh_fill_choice(dynmesh_choice* choice, size_t size) {
+  dynmesh::c::Fill(dynmesh::c::DefaultChoice(), choice, size);
 }
 
 }  // extern "C"

@@ -11,12 +11,14 @@ Exit codes: 0 good, 1 not.
 import base64
 import hashlib
 import importlib.metadata
+import importlib.util
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import time
 import unittest
@@ -29,7 +31,7 @@ BACKEND = SOURCE / "client/python/build_backend/backend.py"
 DEBIAN = pathlib.Path("/usr/lib/python3/dist-packages")
 BESIDE = ("numpy", "scipy", "meshio", "rich")  # numpy, and what the example needs
 LARGEST = 15_000_000  # bytes of a wheel
-LONGEST = 0.15  # seconds of processor time to import it after numpy
+LONGEST = 0.15  # seconds of processor time to import it after numpy; looked at by night
 COMPILERS = ("cc", "c++", "gcc", "g++", "clang", "cmake", "ninja", "make")
 
 
@@ -150,6 +152,26 @@ class Wheel(Made):
         said = run("nm", "-D", "--defined-only", self.unpacked(".so")).split()
         self.assertEqual(said[1:], ["T", "PyInit__core"])
 
+    def test_tags_of_other_libraries(self):
+        module = importlib.util.spec_from_file_location("backend", BACKEND)
+        backend = importlib.util.module_from_spec(module)
+        module.loader.exec_module(backend)
+        machine = sysconfig.get_platform().split("-")[-1]
+        for name, text, flags, tag in (
+                ("plain.c", "int f(int i) { return i; }", (), f"manylinux_2_17_{machine}"),
+                # Packed relocations: glibc has them since 2.36.
+                ("packed.c", '#include <stdio.h>\nconst char *const t[] = {"a", "b"};\n'
+                 "int f(void) { return puts(t[0]); }", ("-Wl,-z,pack-relative-relocs",),
+                 f"manylinux_2_36_{machine}"),
+                ("standard.cc", "#include <string>\nstd::string f(std::string s) { return s + s; }",
+                 (), f"linux_{machine}")):
+            with self.subTest(name):
+                (self.folder / name).write_text(text)
+                library = self.folder / f"{name}.so"
+                run("c++", "-x", "c++" if name.endswith("cc") else "c", "-shared", "-fPIC",
+                    self.folder / name, "-o", library, "-Wl,--as-needed", *flags)
+                self.assertEqual(backend.platform_of([library]), tag)
+
     def test_it_is_small(self):
         self.assertLess(self.wheel.stat().st_size, LARGEST)
 
@@ -208,14 +230,15 @@ with dynmesh.connect("127.0.0.1:{port.read_text().strip()}") as server:
                 server.terminate()
         self.assertEqual(said.strip(), self.expected_hash())
 
-    def test_it_is_imported_fast(self):
+    def test_it_is_imported(self):
         said = [float(self.environment.run("-I", "-c", """
 import time, numpy
 began = time.process_time()
 import dynmesh
 print(time.process_time() - began)""")) for _ in range(5)]
-        self.assertLess(min(said), LONGEST)
         print(f"imported in {min(said):.3f} s, {self.wheel.stat().st_size} bytes", file=sys.stderr)
+        if os.environ.get("DYNMESH_NIGHTLY"):
+            self.assertLess(min(said), LONGEST)
 
 
 class Sdist(Made):

@@ -40,8 +40,11 @@ _NOT_SHIPPED = ("client/cli/remote",)
 _LINKED = ("libabsl-dev", "libboost-dev", "libcgal-dev", "libcli11-dev", "libgmp-dev",
            "libstdc++-COMPILER-dev", "nlohmann-json3-dev", "pybind11-dev", "zlib1g-dev")
 _TEXTS = ("GPL-3", "LGPL-3")  # which these name, in /usr/share/common-licenses
-# Libraries that every system has on which a `manylinux` wheel may be installed (PEP 600).
-_OF_THE_SYSTEM = re.compile(r"(lib(c|m|dl|rt|pthread|z|gcc_s|stdc\+\+)|ld-linux-x86-64)\.so\.\d+")
+# Libraries that every system has on which a `manylinux` wheel may be installed (PEP 600). The C++
+# library is one of them, too, but of which version is not looked at here; so it has to be inside.
+_OF_THE_SYSTEM = re.compile(r"(lib(c|m|dl|rt|pthread|z|gcc_s)|ld-linux-x86-64)\.so\.\d+")
+_RELATIVE = "GLIBC_ABI_DT_RELR"  # packed relocations: glibc has them
+_SINCE = 36  # from this minor version on
 _EPOCH = 315532800  # 1980, where zip begins
 
 Files = dict[str, Union[bytes, pathlib.Path]]
@@ -65,9 +68,12 @@ def platform_of(binaries: list[pathlib.Path]) -> str:
     for binary in binaries:
         dynamic = _said("readelf", "-dW", str(binary))
         for library in re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic):
-            if not _OF_THE_SYSTEM.fullmatch(library) or "stdc++" in library:
+            if not _OF_THE_SYSTEM.fullmatch(library):
                 return platform
-        for minor in re.findall(r"\bGLIBC_2\.(\d+)\b", _said("readelf", "-VW", str(binary))):
+        symbols = _said("readelf", "-VW", str(binary))
+        if _RELATIVE in symbols:
+            newest = max(newest, _SINCE)
+        for minor in re.findall(r"\bGLIBC_2\.(\d+)\b", symbols):
             newest = max(newest, int(minor))
     return platform.replace("linux", f"manylinux_2_{newest}", 1)
 

@@ -72,11 +72,12 @@ class _Servers:
             ("grpc.keepalive_time_ms", 5_000 if several else 60_000),
             ("grpc.http2.max_pings_without_data", 0), ("grpc.initial_reconnect_backoff_ms", 100),
             ("grpc.min_reconnect_backoff_ms", 1_000), ("grpc.max_reconnect_backoff_ms", 500)]
-        self._lock = threading.Lock()
+        # Where it is held, Python may free a client, which ends in close().
+        self._lock = threading.RLock()
         self._channels: dict[str, Any] = {}
         self._where: dict[str, str] = {}
         self._failed: set[str] = set()
-        self.returned = 0  # how often a server could be reached again
+        self._returned = 0
 
     def address_of(self, mesh: str) -> str:
         with self._lock:
@@ -92,12 +93,18 @@ class _Servers:
                 made.subscribe(lambda state: self._changed(address, state))
             return self._channels[address]
 
+    def returned(self) -> int:
+        """How often a server could be reached again."""
+        with self._lock:
+            return self._returned
+
     def _changed(self, address: str, state: Any) -> None:
-        if state == grpc.ChannelConnectivity.TRANSIENT_FAILURE:
-            self._failed.add(address)
-        elif state == grpc.ChannelConnectivity.READY and address in self._failed:
-            self._failed.discard(address)
-            self.returned += 1
+        with self._lock:
+            if state == grpc.ChannelConnectivity.TRANSIENT_FAILURE:
+                self._failed.add(address)
+            elif state == grpc.ChannelConnectivity.READY and address in self._failed:
+                self._failed.discard(address)
+                self._returned += 1
 
     def learn(self, mesh: str, asked: str, error: DynmeshError) -> bool:
         """Where to ask for the mesh next. False if there is no reason to ask again."""
@@ -134,13 +141,14 @@ class Client:
         self._token = token
         self.timeout = timeout or None
         self._from_followers = from_followers
-        self._seen: dict[str, int] = {}
+        self._lock = threading.Lock()
+        self._seen: dict[str, int] = {}  # of each mesh the latest revision
         # At the end of the program, too: then before threads of grpcio are gone.
         self._close = weakref.finalize(self, self._servers.close)
 
     def servers_returned(self) -> int:
         """How often a server could be reached again."""
-        return self._servers.returned
+        return self._servers.returned()
 
     # ---- calls
 
@@ -212,11 +220,14 @@ class Client:
         mesh: str = request.mesh
         if not self._from_followers:
             return mesh
-        request.min_revision = max(revision, self._seen.get(mesh, 0))
+        with self._lock:
+            request.min_revision = max(revision, self._seen.get(mesh, 0))
         return f"read of {mesh}"
 
     def _saw(self, mesh: str, revision: int) -> None:
-        if self._from_followers:
+        if not self._from_followers:
+            return
+        with self._lock:
             self._seen[mesh] = max(revision, self._seen.get(mesh, 0))
 
     def create(self, name: str, options: dict[str, Any], request_id: str) -> dict[str, Any]:
@@ -264,7 +275,7 @@ class Client:
         edits = edit_messages(batch)
         parts = list(_parts(edits))
         if len(parts) > 1:
-            session = EditSession(self, mesh, True)
+            session = EditSession(self, mesh, True, self.timeout)
             try:
                 session.send_edits(parts, request_id, expected_revision, validate_only)
                 diff = session.receive()
@@ -382,9 +393,10 @@ def _features_of(batch: Any) -> Rows:
 
 
 class EditSession:
-    """A stream of batches and their answers, in order."""
+    """A stream of batches and their answers, in order; of `timeout` seconds at most, if given."""
 
-    def __init__(self, client: Client, mesh: str, stop_on_error: bool) -> None:
+    def __init__(self, client: Client, mesh: str, stop_on_error: bool,
+                 timeout: Optional[float] = None) -> None:
         self._client, self._mesh = client, _name(mesh)
         self._stop_on_error = stop_on_error
         client.get(mesh)  # finds its server: a stream cannot be sent on
@@ -393,7 +405,8 @@ class EditSession:
         self._queue: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._named = False
         self._diff = DiffParts()
-        self._answers = call(iter(self._queue.get, None), metadata=client.metadata())
+        self._answers = call(iter(self._queue.get, None), timeout=timeout,
+                             metadata=client.metadata())
 
     def send(self, batch: Any, request_id: str) -> None:
         self.send_edits(list(_parts(edit_messages(batch))), request_id, None, False)
@@ -500,6 +513,9 @@ class DiffStream:
                 error: DynmeshError = Unavailable("the stream ended again and again")
             except DynmeshError as caught:
                 error = caught
+            except Exception as caught:  # as that of a closed channel: `next` must not wait for ever
+                self._hand(DynmeshError(f"the stream ended: {caught}"))
+                return
             if self._cancelled.is_set():
                 return
             if self._heard:

@@ -60,6 +60,9 @@ class Programs(Built):
     def test_errors_strides_files(self):
         run(self.compiled("errors"), self.folder)
 
+    def test_memory_that_runs_out(self):
+        run(self.compiled("memory"))
+
     def test_the_header_is_cpp_as_well(self):
         source = self.folder / "header.cc"
         source.write_text('#include "dynmesh.h"\n#include "dynmesh.h"\n')

@@ -34,10 +34,11 @@ module dynmesh
   end type
 
   interface
-    subroutine default_options(dimension, options) bind(c, name='dynmesh_default_options')
+    subroutine fill_options(dimension, options, size) bind(c, name='dynmesh_fill_options')
       import
       integer(c_int32_t), value :: dimension
       type(options_type) :: options
+      integer(c_size_t), value :: size
     end subroutine
     integer(c_int) function open_mesh(options, mesh, error) bind(c, name='dynmesh_open')
       import
@@ -107,9 +108,10 @@ module dynmesh
       type(column) :: array
       type(error_type) :: error
     end function
-    subroutine default_field(field) bind(c, name='dynmesh_default_field')
+    subroutine fill_field(field, size) bind(c, name='dynmesh_fill_field')
       import
       type(field_type) :: field
+      integer(c_size_t), value :: size
     end subroutine
     integer(c_int) function carry(mesh, field, values, rows, stride, error) bind(c, name='dynmesh_carry')
       import
@@ -120,9 +122,10 @@ module dynmesh
       integer(c_ptrdiff_t), value :: stride
       type(error_type) :: error
     end function
-    subroutine default_choice(choice) bind(c, name='dynmesh_default_choice')
+    subroutine fill_choice(choice, size) bind(c, name='dynmesh_fill_choice')
       import
       type(choice_type) :: choice
+      integer(c_size_t), value :: size
     end subroutine
     integer(c_int) function new_part(mesh, choice, part, error) bind(c, name='dynmesh_part_new')
       import
@@ -184,7 +187,7 @@ program crack
   character(kind=c_char) :: hash(33)
   character(len=16) :: bits
 
-  call default_options(2, options)
+  call fill_options(2, options, c_sizeof(options))
   options%max_edge = 0.05d0
   call check(open_mesh(options, mesh, error))
   call check(new_batch(batch, error))
@@ -195,7 +198,7 @@ program crack
   call check(add_points(batch, add, u64s(id, 1), f64s(place, 2), error))
   call check(apply(mesh, batch, c_null_ptr, error))
 
-  call default_choice(choice)
+  call fill_choice(choice, c_sizeof(choice))
   call check(new_part(mesh, choice, part, error))
 
   rows = count_of(mesh, vertex_slots)
@@ -206,7 +209,7 @@ program crack
     u(i) = places(1, i) * places(1, i) + 3 * places(2, i)
   end do
 
-  call default_field(p1)
+  call fill_field(p1, c_sizeof(p1))
   do k = 0, 99
     id = 101 + k
     ends = [merge(5_c_int64_t, id(1) - 1, k == 0), id(1)]

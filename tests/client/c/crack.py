@@ -81,7 +81,7 @@ def f64s(values):
 
 options, mesh, batch, part = Options(), c_void_p(), c_void_p(), c_void_p()
 choice, p1, out = Choice(), Field(), Column()
-library.dynmesh_default_options(2, byref(options))
+library.dynmesh_fill_options(2, byref(options), c_size_t(ctypes.sizeof(options)))
 options.max_edge = 0.05
 library.dynmesh_open(byref(options), byref(mesh), byref(error))
 library.dynmesh_batch_new(byref(batch), byref(error))
@@ -91,13 +91,13 @@ library.dynmesh_add_polygon(batch, ADD, 9, u64s([1, 2, 3, 4]), u64s([4]), byref(
 library.dynmesh_add_points(batch, ADD, u64s([5]), f64s([(0.125, 0.5)]), byref(error))
 library.dynmesh_apply(mesh, batch, None, byref(error))
 
-library.dynmesh_default_choice(byref(choice))
+library.dynmesh_fill_choice(byref(choice), c_size_t(ctypes.sizeof(choice)))
 library.dynmesh_part_new(mesh, byref(choice), byref(part), byref(error))
 library.dynmesh_array(mesh, POINTS, byref(out), byref(error))
 x, y = out.array().T
 u = x * x + 3 * y
 
-library.dynmesh_default_field(byref(p1))
+library.dynmesh_fill_field(byref(p1), c_size_t(ctypes.sizeof(p1)))
 for k in range(100):
     point = 101 + k
     library.dynmesh_batch_clear(batch)

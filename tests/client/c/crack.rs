@@ -1,5 +1,6 @@
 // A crack that grows through a plate, with a field: as crack.c, in Rust.
 use std::ffi::c_void;
+use std::mem::size_of;
 use std::os::raw::{c_char, c_int};
 use std::ptr::{null, null_mut};
 
@@ -65,7 +66,7 @@ enum Part {}
 
 #[link(name = "dynmesh")]
 extern "C" {
-    fn dynmesh_default_options(dimension: i32, options: *mut Options);
+    fn dynmesh_fill_options(dimension: i32, options: *mut Options, size: usize);
     fn dynmesh_open(options: *const Options, mesh: *mut *mut Mesh, error: *mut Error) -> c_int;
     fn dynmesh_close(mesh: *mut Mesh);
     fn dynmesh_count(mesh: *const Mesh, which: c_int) -> u64;
@@ -82,10 +83,10 @@ extern "C" {
     fn dynmesh_apply(mesh: *mut Mesh, batch: *const Batch, options: *const c_void,
                      error: *mut Error) -> c_int;
     fn dynmesh_array(mesh: *const Mesh, which: c_int, column: *mut Column, error: *mut Error) -> c_int;
-    fn dynmesh_default_field(field: *mut Field);
+    fn dynmesh_fill_field(field: *mut Field, size: usize);
     fn dynmesh_carry(mesh: *mut Mesh, field: *const Field, values: *mut f64, rows: usize,
                      stride: isize, error: *mut Error) -> c_int;
-    fn dynmesh_default_choice(choice: *mut Choice);
+    fn dynmesh_fill_choice(choice: *mut Choice, size: usize);
     fn dynmesh_part_new(mesh: *const Mesh, choice: *const Choice, part: *mut *mut Part,
                         error: *mut Error) -> c_int;
     fn dynmesh_part_free(part: *mut Part);
@@ -118,7 +119,7 @@ fn main() {
                               reserved: 0 };
     let check = |code: c_int| assert_eq!(code, 0);
     unsafe {
-        dynmesh_default_options(2, &mut options);
+        dynmesh_fill_options(2, &mut options, size_of::<Options>());
         options.max_edge = 0.05;
         check(dynmesh_open(&options, &mut mesh, &mut error));
         check(dynmesh_batch_new(&mut batch, &mut error));
@@ -130,7 +131,7 @@ fn main() {
         check(dynmesh_add_points(batch, ADD, column(&[5u64], 1, U64), column(&[0.125, 0.5], 2, F64),
                                  &mut error));
         check(dynmesh_apply(mesh, batch, null(), &mut error));
-        dynmesh_default_choice(&mut choice);
+        dynmesh_fill_choice(&mut choice, size_of::<Choice>());
         check(dynmesh_part_new(mesh, &choice, &mut part, &mut error));
 
         let rows = dynmesh_count(mesh, VERTEX_SLOTS) as usize;
@@ -138,7 +139,7 @@ fn main() {
         let points = std::slice::from_raw_parts(array.data as *const f64, 2 * rows);
         let mut u: Vec<f64> = (0..rows).map(|i| points[2 * i] * points[2 * i] + 3.0 * points[2 * i + 1]).collect();
 
-        dynmesh_default_field(&mut p1);
+        dynmesh_fill_field(&mut p1, size_of::<Field>());
         for k in 0..100i32 {
             let point = 101 + k as u64;
             let ends = [if k == 0 { 5 } else { point - 1 }, point];

@@ -54,6 +54,14 @@ static void columns_are_checked(dynmesh_batch *batch) {
   wrong = places_of_nodes(3), wrong.stride = 4;
   EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, NULL) ==
          DYNMESH_INVALID_ARGUMENT);
+  wrong = places_of_nodes(3), wrong.data = (const char *)wrong.data + 4;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), wrong, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(strstr(error.message, "multiple of 8") != NULL);
+  wrong = places_of_nodes(SIZE_MAX / 8), wrong.stride = 0;
+  dynmesh_column ids = ids_of_nodes(SIZE_MAX / 8);
+  ids.stride = 0;
+  EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids, wrong, NULL) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(2), places_of_nodes(3), NULL) ==
          DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_add_points(batch, 7, ids_of_nodes(3), places_of_nodes(3), NULL) ==
@@ -89,6 +97,30 @@ static void a_refused_batch_changes_nothing(dynmesh_mesh *mesh, dynmesh_batch *b
   EXPECT(dynmesh_apply(mesh, batch, &options, &error) == DYNMESH_INVALID_ARGUMENT);
   dynmesh_hash(mesh, after);
   EXPECT(strcmp(before, after) == 0 && dynmesh_revision(mesh) == 1);
+}
+
+/* Rows from the last one to the first: the same features. */
+static void strides_may_be_negative(void) {
+  dynmesh_error error;
+  dynmesh_options options;
+  dynmesh_batch *batch;
+  char hashes[2][33];
+  dynmesh_default_options(2, &options);
+  for (int i = 0; i < 2; ++i) {
+    dynmesh_mesh *mesh;
+    dynmesh_column ids = ids_of_nodes(3), places = places_of_nodes(3);
+    if (i == 1) {
+      ids.data = &kNodes[2].id, ids.stride = -ids.stride;
+      places.data = &kNodes[2].x, places.stride = -places.stride;
+    }
+    EXPECT(!dynmesh_open(&options, &mesh, &error) && !dynmesh_batch_new(&batch, &error));
+    EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, ids, places, &error));
+    EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+    dynmesh_hash(mesh, hashes[i]);
+    dynmesh_batch_free(batch);
+    dynmesh_close(mesh);
+  }
+  EXPECT(strcmp(hashes[0], hashes[1]) == 0);
 }
 
 static void labels_sizes_moves(dynmesh_mesh *mesh, dynmesh_batch *batch) {
@@ -140,6 +172,12 @@ static void arrays_and_diffs_agree(const dynmesh_mesh *mesh) {
   int32_t found[2] = {-7, -7};
   EXPECT(!dynmesh_locate(mesh, dynmesh_f64s(places, 2, 2), found, &error));
   EXPECT(found[0] >= 0 && found[1] == -1);
+  EXPECT(dynmesh_locate(mesh, dynmesh_f64s(places, 2, 2), NULL, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
+  EXPECT(!dynmesh_locate(mesh, dynmesh_f64s(NULL, 0, 2), NULL, &error));
+  dynmesh_column all = dynmesh_f64s(places, SIZE_MAX / 2 + 1, 2);
+  all.stride = 0;
+  EXPECT(dynmesh_locate(mesh, all, found, &error) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_locate(mesh, dynmesh_f64s(places, 1, 3), found, &error) ==
          DYNMESH_INVALID_ARGUMENT);
 }
@@ -165,12 +203,120 @@ static void strides_of_fields(dynmesh_mesh *mesh, dynmesh_batch *batch) {
   const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
   EXPECT(dynmesh_carry(mesh, &p1, one, rows + 1, 8, &error) == DYNMESH_INVALID_ARGUMENT);
   EXPECT(dynmesh_carry(mesh, &p1, one, rows, 4, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, one, rows, -8, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, NULL, rows, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(dynmesh_carry(mesh, &p1, (double *)((char *)one + 4), rows, 8, &error) ==
+         DYNMESH_INVALID_ARGUMENT);
   EXPECT(!dynmesh_carry(mesh, &p1, one, rows, 8, &error));
   EXPECT(!dynmesh_carry(mesh, &p1, both, rows, 16, &error));
   for (size_t i = 0; i < before; ++i) EXPECT(both[2 * i] == one[i] && both[2 * i + 1] == -1);
   p1.kind = 99;
   EXPECT(dynmesh_carry(mesh, &p1, one, rows, 8, &error) == DYNMESH_INVALID_ARGUMENT);
   free(both);
+}
+
+/* The last dynmesh_apply is that of an empty batch: its diff is empty, and nothing is carried. */
+static void an_empty_batch_carries_nothing(dynmesh_mesh *mesh, dynmesh_batch *batch) {
+  dynmesh_error error;
+  dynmesh_field p1;
+  dynmesh_column column;
+  const uint64_t id = 61;
+  const double place[] = {0.45, 0.55};
+  dynmesh_default_field(&p1);
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, dynmesh_u64s(&id, 1), dynmesh_f64s(place, 1, 2), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  const uint64_t revision = dynmesh_revision(mesh);
+  const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  double *values = calloc(2 * rows, sizeof *values), *before = values + rows;
+  for (size_t i = 0; i < rows; ++i) values[i] = before[i] = (double)(i * i % 17);
+  /* A refused batch does not count: the diff is that of the one before. */
+  EXPECT(dynmesh_apply(mesh, batch, NULL, &error) == DYNMESH_ALREADY_EXISTS);
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_ADDED_CELLS, &column, &error) && column.rows > 0);
+
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error) && dynmesh_revision(mesh) == revision);
+  for (int which = DYNMESH_REMOVED_VERTICES; which <= DYNMESH_FORMER_REGIONS; ++which) {
+    EXPECT(!dynmesh_diff(mesh, which, &column, &error) && column.rows == 0);
+    EXPECT(column.width == (which == DYNMESH_REMOVED_CORNERS ? 3 : 1));
+  }
+  EXPECT(dynmesh_diff(mesh, 99, &column, &error) == DYNMESH_INVALID_ARGUMENT);
+  EXPECT(!dynmesh_carry(mesh, &p1, values, rows, 8, &error));
+  EXPECT(memcmp(values, before, rows * sizeof *values) == 0);
+  EXPECT(dynmesh_carry(mesh, &p1, values, rows + 1, 8, &error) == DYNMESH_INVALID_ARGUMENT);
+
+  dynmesh_batch_clear(batch);
+  EXPECT(!dynmesh_remove(batch, dynmesh_u64s(&id, 1), &error));
+  EXPECT(!dynmesh_apply(mesh, batch, NULL, &error));
+  EXPECT(!dynmesh_diff(mesh, DYNMESH_ADDED_CELLS, &column, &error) && column.rows > 0);
+  free(values);
+}
+
+/* Options of a program that was compiled for an earlier header, and of one for a later one. */
+static void structures_of_other_sizes(dynmesh_mesh *mesh) {
+  struct {
+    dynmesh_options known;
+    double later[4];
+  } larger;
+  struct {
+    dynmesh_choice known;
+    int64_t later;
+  } choice;
+  dynmesh_error error;
+  dynmesh_options usual, smaller;
+  dynmesh_mesh *others[2];
+  char hashes[2][33];
+  const size_t size = offsetof(dynmesh_options, quality);
+
+  dynmesh_default_options(3, &usual);
+  memset(&smaller, 0x5a, sizeof smaller);
+  dynmesh_fill_options(3, &smaller, size);
+  EXPECT(smaller.size == size && usual.size == sizeof usual);
+  EXPECT(memcmp(&smaller.dimension, &usual.dimension,
+                size - offsetof(dynmesh_options, dimension)) == 0);
+  for (size_t i = size; i < sizeof smaller; ++i) EXPECT(((unsigned char *)&smaller)[i] == 0x5a);
+  EXPECT(!dynmesh_open(&usual, &others[0], &error));
+  EXPECT(!dynmesh_open(&smaller, &others[1], &error)); /* with the quality that is usual in 3D */
+  for (int i = 0; i < 2; ++i) dynmesh_hash(others[i], hashes[i]), dynmesh_close(others[i]);
+  EXPECT(strcmp(hashes[0], hashes[1]) == 0);
+
+  memset(&larger, 0x5a, sizeof larger);
+  dynmesh_fill_options(2, &larger.known, sizeof larger);
+  EXPECT(larger.known.size == sizeof larger && larger.known.max_vertices == usual.max_vertices);
+  for (int i = 0; i < 4; ++i) EXPECT(larger.later[i] == 0);
+  EXPECT(!dynmesh_open(&larger.known, &others[0], &error));
+  dynmesh_close(others[0]);
+  larger.known.size = sizeof larger.known.size;
+  EXPECT(dynmesh_open(&larger.known, &others[0], &error) == DYNMESH_INVALID_ARGUMENT);
+
+  dynmesh_apply_options apply;
+  dynmesh_batch *empty;
+  memset(&apply, 0x5a, sizeof apply);
+  dynmesh_fill_apply_options(&apply, offsetof(dynmesh_apply_options, max_operations));
+  EXPECT(apply.interrupted == NULL && apply.max_operations == 0x5a5a5a5a5a5a5a5a);
+  EXPECT(!dynmesh_batch_new(&empty, &error) && !dynmesh_apply(mesh, empty, &apply, &error));
+  dynmesh_batch_free(empty);
+
+  dynmesh_field field;
+  const size_t rows = (size_t)dynmesh_count(mesh, DYNMESH_VERTEX_SLOTS);
+  double *values = calloc(rows, sizeof *values);
+  memset(&field, 0x5a, sizeof field);
+  dynmesh_fill_field(&field, offsetof(dynmesh_field, components));
+  EXPECT(field.kind == DYNMESH_P1 && field.components == 0x5a5a5a5a);
+  EXPECT(!dynmesh_carry(mesh, &field, values, rows, 8, &error)); /* one component */
+  free(values);
+
+  dynmesh_part *part;
+  memset(&choice, 0x5a, sizeof choice);
+  dynmesh_fill_choice(&choice.known, sizeof choice);
+  EXPECT(choice.known.inside == 1 && choice.later == 0);
+  EXPECT(!dynmesh_part_new(mesh, &choice.known, &part, &error));
+  dynmesh_part_free(part);
+  memset(&choice, 0x5a, sizeof choice);
+  dynmesh_fill_choice(&choice.known, offsetof(dynmesh_choice, open));
+  EXPECT(choice.known.inside == 0x5a5a5a5a);
+  EXPECT(!dynmesh_part_new(mesh, &choice.known, &part, &error));
+  dynmesh_part_free(part);
 }
 
 static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) {
@@ -188,6 +334,11 @@ static void files(const char *folder, dynmesh_mesh *mesh, dynmesh_batch *batch) 
   fclose(file);
   EXPECT(!dynmesh_read(path, 0, &input, &error));
   dynmesh_input_options(input, &options);
+  dynmesh_options smaller;
+  memset(&smaller, 0x5a, sizeof smaller);
+  dynmesh_input_fill_options(input, &smaller, offsetof(dynmesh_options, high));
+  EXPECT(memcmp(smaller.low, options.low, sizeof options.low) == 0 &&
+         smaller.max_vertices == 0x5a5a5a5a5a5a5a5a);
   EXPECT(options.dimension == 2 && dynmesh_batch_count(dynmesh_input_batch(input)) == 8);
   EXPECT(!dynmesh_open(&options, &other, &error));
   EXPECT(!dynmesh_apply(other, dynmesh_input_batch(input), NULL, &error));
@@ -239,12 +390,15 @@ int main(int argc, char **argv) {
   EXPECT(dynmesh_carry(mesh, &p1, &nothing, 1, 8, &error) == DYNMESH_FAILED_PRECONDITION);
 
   columns_are_checked(batch);
+  strides_may_be_negative();
   EXPECT(!dynmesh_add_points(batch, DYNMESH_ADD, ids_of_nodes(3), places_of_nodes(3), &error));
   EXPECT(!dynmesh_apply(mesh, batch, NULL, &error) && dynmesh_revision(mesh) == 1);
   a_refused_batch_changes_nothing(mesh, batch);
   labels_sizes_moves(mesh, batch);
   arrays_and_diffs_agree(mesh);
   strides_of_fields(mesh, batch);
+  an_empty_batch_carries_nothing(mesh, batch);
+  structures_of_other_sizes(mesh);
   files(argv[1], mesh, batch);
   dynmesh_batch_free(batch);
   dynmesh_batch_free(NULL);
