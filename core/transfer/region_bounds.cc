@@ -48,7 +48,7 @@ class Multipliers {
 
   // Values in the range, which keep the sums as far as it has room.
   const std::vector<double>& Solve() {
-    constexpr int kMostRounds = 12;
+    constexpr int kMostRounds = 40;
     constexpr double kStuck = 0.9;
     double before = 0;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -234,7 +234,8 @@ class Multipliers {
 // What of the integral over a part is missing, relative to the whole, is a flow and not rounding.
 constexpr double kNoFlow = 1e-13;
 
-// What each part lost or gained, as flows from the first that lost to the first that gained.
+// What each part lost or gained, as flows from the first that lost to the first that gained. What
+// one part has left may be what several others have each less than `rounding` of.
 std::vector<PartFlow> Losses(std::span<const PartShare> shares, std::size_t part_count,
                              std::span<const double> before, std::span<const double> after,
                              double rounding) {
@@ -245,15 +246,25 @@ std::vector<PartFlow> Losses(std::span<const PartShare> shares, std::size_t part
   std::vector<double> lost;
   for (const Sum& sum : sums) lost.push_back(sum.value());
   std::vector<PartFlow> flows;
-  std::uint32_t from = 0, to = 0;
-  while (true) {
-    while (from < part_count && lost[from] <= rounding) ++from;
-    while (to < part_count && -lost[to] <= rounding) ++to;
-    if (from == part_count || to == part_count) return flows;
-    const double amount = std::min(lost[from], -lost[to]);
-    flows.push_back({from, to, amount});
-    lost[from] -= amount, lost[to] += amount;
-  }
+  // Between parts that lost more than `least_from` and that gained more than `least_to`.
+  const auto flow = [&](double least_from, double least_to) {
+    std::uint32_t from = 0, to = 0;
+    while (true) {
+      while (from < part_count && lost[from] <= least_from) ++from;
+      while (to < part_count && -lost[to] <= least_to) ++to;
+      if (from == part_count || to == part_count) return;
+      const double amount = std::min(lost[from], -lost[to]);
+      flows.push_back({from, to, amount});
+      lost[from] -= amount, lost[to] += amount;
+    }
+  };
+  flow(rounding, rounding);
+  flow(rounding, 0);
+  flow(0, rounding);
+  std::sort(flows.begin(), flows.end(), [](const PartFlow& f, const PartFlow& g) {
+    return std::pair(f.from, f.to) < std::pair(g.from, g.to);
+  });
+  return flows;
 }
 
 }  // namespace
