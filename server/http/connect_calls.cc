@@ -46,10 +46,6 @@ HttpReply Failed(const Codec& codec, const grpc::Status& status, HttpHeaders hea
           connectrpc::ErrorJson(status), nullptr};
 }
 
-HttpReply Plain(int status, HttpHeaders headers, std::string text) {
-  return {status, std::move(headers), "text/plain", std::move(text), nullptr};
-}
-
 // A message of the service for the client.
 absl::StatusOr<std::string> Encoded(const Codec& codec, const MethodDescriptor& method,
                                     std::string bytes) {
@@ -100,7 +96,7 @@ HttpReply ConnectCalls::Answer(const HttpRequest& request) const {
         {});
   }
   if (request.method != "POST") {
-    return Plain(405, {{"Allow", "POST"}}, "calls are sent with POST\n");
+    return PlainReply(405, "calls are sent with POST\n", {{"Allow", "POST"}});
   }
   if (method->client_streaming()) {
     return Failed({},
@@ -112,13 +108,11 @@ HttpReply ConnectCalls::Answer(const HttpRequest& request) const {
   const std::optional<Codec> codec = type == nullptr ? std::nullopt : connectrpc::CodecOf(*type);
   if (!codec.has_value() || codec->is_stream != method->server_streaming()) {
     const bool streams = method->server_streaming();
-    return Plain(
-        415,
-        {{"Accept-Post", absl::StrCat(TypeOf({.is_json = true, .is_stream = streams}), ", ",
-                                      TypeOf({.is_json = false, .is_stream = streams}))}},
-        absl::StrCat("Content-Type of ", method->name(), " is ",
-                     TypeOf({.is_json = true, .is_stream = streams}), " or ",
-                     TypeOf({.is_json = false, .is_stream = streams}), "\n"));
+    const std::string json = TypeOf({.is_json = true, .is_stream = streams});
+    const std::string proto = TypeOf({.is_json = false, .is_stream = streams});
+    return PlainReply(
+        415, absl::StrCat("Content-Type of ", method->name(), " is ", json, " or ", proto, "\n"),
+        {{"Accept-Post", absl::StrCat(json, ", ", proto)}});
   }
   const std::string* const given_id = request.Find("X-Request-Id");
   const std::string id = ChooseCallId(given_id == nullptr ? "" : *given_id);

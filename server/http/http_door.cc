@@ -7,21 +7,14 @@
 #include "server/http/cross_site.h"
 
 namespace dynmesh::server {
-namespace {
-
-HttpReply Text(int status, std::string text) {
-  return {status, {}, "text/plain", std::move(text), nullptr};
-}
-
-}  // namespace
 
 HttpReply HttpDoor::Answer(const HttpRequest& request) const {
   if (!ConnectCalls::IsMethod(request.path)) {
-    return Text(404, "there is POST /dynmesh.v1.MeshService/METHOD\n");
+    return PlainReply(404, "there is POST /dynmesh.v1.MeshService/METHOD\n");
   }
   if (!has_tokens_ || request.Find("Authorization") == nullptr) {
     if (const std::string why = WhyCrossSite(request, name_); !why.empty()) {
-      return Text(403, absl::StrCat(why, "\n"));
+      return PlainReply(403, absl::StrCat(why, "\n"));
     }
   }
   return calls_.Answer(request);

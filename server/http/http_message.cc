@@ -142,6 +142,10 @@ const std::string* HttpRequest::Find(absl::string_view name) const {
   return nullptr;
 }
 
+HttpReply PlainReply(int status, std::string text, HttpHeaders headers) {
+  return {status, std::move(headers), "text/plain", std::move(text), nullptr};
+}
+
 HttpHead ParseHttpHead(absl::string_view text, std::size_t most_body) {
   HttpHead head;
   absl::ConsumeSuffix(&text, "\r\n\r\n");

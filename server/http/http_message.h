@@ -47,6 +47,9 @@ struct HttpReply {
   std::function<void(HttpSink&)> stream;
 };
 
+// Text for people, as of an error.
+HttpReply PlainReply(int status, std::string text, HttpHeaders headers = {});
+
 // The head of a request: all up to the empty line.
 struct HttpHead {
   int error = 0;  // the status to refuse it with; 0: it is good

@@ -8,11 +8,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <list>
-#include <map>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -73,11 +73,8 @@ void SetUp(int socket) {
 }
 
 HttpReply TooMany() {
-  return {503,
-          {{"Retry-After", "1"}},
-          "text/plain",
-          "too many connections of HTTP are open: try again later\n",
-          nullptr};
+  return PlainReply(503, "too many connections of HTTP are open: try again later\n",
+                    {{"Retry-After", "1"}});
 }
 
 }  // namespace

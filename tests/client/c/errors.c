@@ -5,16 +5,7 @@
 #include <string.h>
 
 #include "dynmesh.h"
-
-#define EXPECT(holds)                                          \
-  do {                                                         \
-    if (!(holds)) {                                            \
-      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #holds); \
-      ++failures;                                              \
-    }                                                          \
-  } while (0)
-
-static int failures = 0;
+#include "expect.h"
 
 static int at_once(void *context) {
   ++*(int *)context;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "dynmesh.h"
+#include "expect.h"
 
 void *__libc_malloc(size_t size);
 
@@ -16,15 +17,6 @@ void *malloc(size_t size) {
   return __libc_malloc(size);
 }
 
-#define EXPECT(holds)                                          \
-  do {                                                         \
-    if (!(holds)) {                                            \
-      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #holds); \
-      ++failures;                                              \
-    }                                                          \
-  } while (0)
-
-static int failures = 0;
 static const uint64_t kIds[] = {1, 2, 3, 4}, kEnd = 3;
 static const double kPlaces[] = {0.25, 0.25, 0.75, 0.25, 0.5, 0.75};
 
