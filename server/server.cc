@@ -30,9 +30,9 @@
 #include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
 #include "server/http/http_door.h"
+#include "server/http/metrics_http.h"
 #include "server/journal_watch.h"
 #include "server/metrics/call_observer.h"
-#include "server/metrics/metrics_http.h"
 
 namespace dynmesh::server {
 namespace {

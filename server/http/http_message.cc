@@ -148,6 +148,14 @@ HttpReply PlainReply(int status, std::string text, HttpHeaders headers) {
   return {status, std::move(headers), "text/plain", std::move(text), nullptr};
 }
 
+HttpReply Refusal(int status) {
+  return PlainReply(status, status == 411   ? "the request is to have a Content-Length\n"
+                            : status == 413 ? "the request is larger than this server takes\n"
+                            : status == 415
+                                ? "requests are taken uncompressed\n"
+                                : "this is no request of HTTP/1.1 as RFC 9112 has it\n");
+}
+
 HttpHead ParseHttpHead(absl::string_view text, std::size_t most_body) {
   HttpHead head;
   absl::ConsumeSuffix(&text, "\r\n\r\n");

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/token_hash.h"
 #include "server/http/connect_protocol.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temp_folder.h"
 
