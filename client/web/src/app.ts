@@ -1,0 +1,318 @@
+// The page: which mesh is shown, its copy, its watch, and the parts that show them.
+import { Code, ConnectError } from '@connectrpc/connect';
+import type { MeshOptions } from '../gen/dynmesh/v1/mesh_pb.js';
+import { themes, type ThemeName } from './draw/palette.js';
+import type { Look } from './draw/picture.js';
+import { Replica } from './model/replica.js';
+import type { SlotMesh } from './model/slot_mesh.js';
+import { connect, setToken, token, type Service } from './service/client.js';
+import { messageOf, Watch, type Connection } from './service/watch.js';
+import { Controls } from './ui/controls.js';
+import { meshDetails, triangleDetails } from './ui/details.js';
+import { byId, definitions, element } from './ui/dom.js';
+import { readLink, writeLink, type Link } from './ui/link.js';
+import { MeshList } from './ui/mesh_list.js';
+import { View, type Box } from './view.js';
+
+const FADE_SECONDS = 3;
+
+export class App {
+  readonly service: Service = connect();
+  readonly view: View;
+  replica = new Replica();
+  connection: Connection = 'ended';
+  watch: Watch | undefined;
+  link: Link;
+
+  readonly #status = byId('status', HTMLElement);
+  readonly #notice = byId('notice', HTMLElement);
+  readonly #title = byId('title', HTMLElement);
+  readonly #list: MeshList;
+  readonly #controls: Controls;
+  readonly #figures = element('div');
+  readonly #place = element('div');
+  #theme: ThemeName = 'light';
+  #options: MeshOptions | undefined;
+  /** The mesh that the view has. */
+  #shown: SlotMesh | undefined;
+  #selected = -1;
+  #figuresAreOld = false;
+
+  constructor() {
+    this.link = readLink(location.hash);
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    dark.addEventListener('change', () => this.#setTheme(dark.matches ? 'dark' : 'light'));
+    const panel = byId('panel', HTMLElement);
+    this.#controls = new Controls(panel, (choice) => this.#choose(choice));
+    panel.append(
+      element('h2', {}, 'Mesh'),
+      this.#figures,
+      element('h2', {}, 'Triangle'),
+      this.#place,
+    );
+    this.view = new View(byId('picture', HTMLCanvasElement), this.#look(), {
+      hovered: (row) => {
+        if (this.#selected < 0) this.#showTriangle(row);
+      },
+      clicked: (row) => {
+        this.#selected = row;
+        this.#showTriangle(row);
+      },
+      settled: () => this.#rememberView(),
+    });
+    this.#list = new MeshList(this.service, byId('meshes', HTMLElement), (error) => {
+      this.#failed(error);
+    });
+    this.#setTheme(dark.matches ? 'dark' : 'light');
+    addEventListener('hashchange', () => void this.#follow(readLink(location.hash)));
+    document.addEventListener('visibilitychange', () => this.#wakeOrSleep());
+    void this.#follow(this.link);
+  }
+
+  async #follow(link: Link): Promise<void> {
+    const isOther = link.mesh !== this.link.mesh || this.watch === undefined;
+    this.link = link;
+    this.view.setLook(this.#look());
+    this.#showControls();
+    this.#list.select(link.mesh);
+    if (!isOther) {
+      this.#applyView();
+      return;
+    }
+    this.watch?.stop();
+    this.watch = undefined;
+    this.replica = new Replica();
+    this.#shown = undefined;
+    this.#selected = -1;
+    this.view.setMesh(undefined);
+    this.#showFigures();
+    this.#title.textContent = link.mesh === '' ? 'No mesh chosen' : link.mesh;
+    if (link.mesh !== '') await this.#open(link.mesh);
+  }
+
+  async #open(id: string): Promise<void> {
+    const name = `meshes/${id}`;
+    try {
+      const { options } = await this.service.getMesh({ mesh: name });
+      if (this.link.mesh !== id) return;
+      this.#options = options;
+      this.view.setBox(boxOf(options));
+      this.#applyView();
+      this.#showControls();
+      this.view.setLook(this.#look());
+    } catch (error) {
+      this.#failed(error);
+      return;
+    }
+    const { replica } = this;
+    this.watch = new Watch(
+      this.service,
+      name,
+      replica,
+      {
+        changed: () => this.#changed(replica),
+        connection: (state, reason) => this.#connected(state, reason),
+        loading: (share) => this.#loading(share),
+      },
+      () => this.view.stamp(),
+    );
+    this.#wakeOrSleep();
+  }
+
+  /** A page that is not seen watches nothing. */
+  #wakeOrSleep(): void {
+    if (document.hidden) {
+      this.watch?.stop();
+    } else {
+      this.watch?.start();
+      void this.#list.refresh();
+    }
+  }
+
+  #changed(replica: Replica): void {
+    if (replica !== this.replica || replica.mesh === undefined) return;
+    if (this.#shown !== replica.mesh) {
+      this.#shown = replica.mesh;
+      this.#selected = -1;
+      this.view.setMesh(replica.mesh);
+    } else {
+      this.view.meshChanged();
+    }
+    if (this.#figuresAreOld) return;
+    this.#figuresAreOld = true;
+    requestAnimationFrame(() => this.#showFigures());
+  }
+
+  #connected(state: Connection, reason: string): void {
+    this.connection = state;
+    this.#showStatus(reason);
+    this.#notify(state === 'ended' || state === 'lost' ? reason : '');
+  }
+
+  #loading(share: number): void {
+    if (share < 1) this.#status.textContent = `loading: ${Math.floor(100 * share)} %`;
+  }
+
+  #showStatus(reason: string): void {
+    const words: Record<Connection, string> = {
+      connecting: 'connecting',
+      live: 'live',
+      lost: `connection lost, trying again`,
+      asleep: 'asleep',
+      ended: `ended: ${reason}`,
+    };
+    this.#status.textContent = this.link.mesh === '' ? '' : words[this.connection];
+  }
+
+  #showFigures(): void {
+    this.#figuresAreOld = false;
+    const { mesh, revision, hash } = this.replica;
+    if (mesh === undefined) {
+      this.#figures.replaceChildren();
+      return;
+    }
+    this.#showStatus('');
+    this.#figures.replaceChildren(
+      definitions([
+        ['revision', revision.toString()],
+        ...meshDetails(mesh),
+        ['hash, checked here', hash],
+      ]),
+    );
+    if (this.#selected >= 0) this.#showTriangle(this.#selected);
+  }
+
+  #showTriangle(row: number): void {
+    const { mesh } = this.replica;
+    const rows = mesh?.dimension === 2 ? triangleDetails(mesh, row) : [];
+    this.#place.replaceChildren(
+      rows.length > 0 ? definitions(rows) : element('p', {}, 'Point at the picture.'),
+    );
+  }
+
+  #choose(choice: Partial<Link>): void {
+    this.link = { ...this.link, ...choice };
+    this.view.setLook(this.#look());
+    this.#showControls();
+    this.#remember();
+  }
+
+  #showControls(): void {
+    this.#controls.show(this.link, themes[this.#theme], this.#range());
+  }
+
+  #setTheme(name: ThemeName): void {
+    this.#theme = name;
+    document.documentElement.dataset.theme = name;
+    this.view.setLook(this.#look());
+    this.#showControls();
+  }
+
+  #look(): Look {
+    const { fill, ramp, edges, segments, points } = this.link;
+    return {
+      fill,
+      ramp,
+      edges,
+      segments,
+      points,
+      theme: themes[this.#theme],
+      range: this.#range(),
+      fadeSeconds: FADE_SECONDS,
+    };
+  }
+
+  /** What the ends of the ramp stand for: the worse end is the dark one. */
+  #range(): [number, number] {
+    switch (this.link.fill) {
+      case 'quality':
+        return [this.#bound(), 1 / Math.sqrt(3)];
+      case 'angle':
+        return [0, 60];
+      case 'size': {
+        const { lo, hi } = boxOf(this.#options);
+        const side = Math.log2(Math.max(...hi.map((value, k) => value - lo[k]), 1e-300));
+        return [side - 12, side];
+      }
+      default:
+        return [0, 1];
+    }
+  }
+
+  #bound(): number {
+    const quality = this.#options?.quality ?? 0;
+    return quality > 0 ? quality : Math.SQRT2;
+  }
+
+  #remember(): void {
+    history.replaceState(null, '', writeLink(this.link));
+  }
+
+  #rememberView(): void {
+    if (this.watch === undefined) return;
+    const { plane, orbit, isSpace } = this.view;
+    const { centre } = plane;
+    this.link = {
+      ...this.link,
+      view: isSpace
+        ? [orbit.yaw, orbit.pitch, orbit.distance, ...orbit.target.toArray()]
+        : [centre.x, centre.y, plane.scale / plane.fittedScale],
+    };
+    this.#remember();
+  }
+
+  #applyView(): void {
+    const { view } = this.link;
+    if (view.length === 3) {
+      this.view.plane.centre = { x: view[0], y: view[1] };
+      this.view.plane.setScale(view[2] * this.view.plane.fittedScale);
+    } else if (view.length === 6) {
+      this.view.orbit.yaw = view[0];
+      this.view.orbit.pitch = view[1];
+      this.view.orbit.distance = view[2];
+      this.view.orbit.target.fromArray([...view], 3);
+    }
+    this.view.invalidate();
+  }
+
+  #failed(error: unknown): void {
+    const { code } = ConnectError.from(error);
+    if (code === Code.Unauthenticated) this.#askForToken();
+    this.#notify(messageOf(error));
+  }
+
+  #askForToken(): void {
+    const nav = byId('meshes', HTMLElement);
+    if (nav.querySelector('form') !== null) return;
+    const input = element('input', { type: 'password', autocomplete: 'off' });
+    input.value = token() ?? '';
+    const form = element(
+      'form',
+      {},
+      element('label', {}, 'Token ', input),
+      element('button', { type: 'submit' }, 'Use'),
+    );
+    form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      setToken(input.value);
+      form.remove();
+      this.#notify('');
+      void this.#list.refresh();
+      void this.#follow(this.link);
+    });
+    nav.prepend(form);
+  }
+
+  #notify(text: string): void {
+    this.#notice.textContent = text;
+    this.#notice.hidden = text === '';
+  }
+}
+
+function boxOf(options: MeshOptions | undefined): Box {
+  const corner = (side: 'lo' | 'hi', otherwise: number): number[] => {
+    const point = options?.box?.[side];
+    return point ? [point.x, point.y, point.z ?? 0] : [otherwise, otherwise, 0];
+  };
+  return { lo: corner('lo', 0), hi: corner('hi', 1) };
+}

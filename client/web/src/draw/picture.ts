@@ -1,0 +1,358 @@
+// The picture of a mesh: tables of its vertices and of what is drawn (triangles, in 3D subfacets;
+// subsegments), and the passes over them. An update uploads what has changed and nothing else.
+import {
+  BufferGeometry,
+  Camera,
+  DoubleSide,
+  GLSL3,
+  Matrix4,
+  Mesh,
+  NoBlending,
+  Points,
+  RawShaderMaterial,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  type IUniform,
+} from 'three';
+import type { Rows } from '../model/rows.js';
+import type { SlotMesh } from '../model/slot_mesh.js';
+import { halves } from './camera.js';
+import { ramps, regionColours, type Colour, type Theme } from './palette.js';
+import * as shaders from './shaders.js';
+import { STAMP_BITS, STAMPS_PER_SECOND } from './shaders.js';
+import { Table, TableWriter } from './table.js';
+
+export const fills = ['change', 'quality', 'angle', 'size', 'region'] as const;
+export type Fill = (typeof fills)[number];
+
+/** What to draw, and how. */
+export interface Look {
+  fill: Fill;
+  theme: Theme;
+  ramp: keyof typeof ramps;
+  /** Of the figure that is the colour. */
+  range: readonly [number, number];
+  edges: boolean;
+  segments: boolean;
+  points: boolean;
+  fadeSeconds: number;
+}
+
+/** From where; positions are relative to the origin. */
+export interface Eye {
+  /** What positions are relative to in shaders, from the origin. */
+  position: readonly [number, number, number];
+  /** From there to clip space. */
+  project: Matrix4;
+  /** Direction to the eye, for light. */
+  direction: Vector3;
+}
+
+const STAMP_MASK = (1 << STAMP_BITS) - 1;
+
+/** The number of a region's colour: 0 for none. A function of its id, so that links show the same. */
+export function regionNumber(lo: number, hi: number): number {
+  return lo === 0 && hi === 0 ? 0 : 1 + (((lo ^ hi) >>> 0) % regionColours.length);
+}
+
+function isBorder(lo: number, hi: number): boolean {
+  return lo === 0xffffffff && hi === 0xffffffff;
+}
+
+type Uniforms = Record<string, IUniform>;
+
+/** Rows of a kind, and the object that draws them. */
+class Layer {
+  readonly table = new Table(1);
+  readonly object: Mesh;
+  readonly #geometry = new BufferGeometry();
+  /** The table has to be filled again. */
+  isNew = true;
+  #isEmpty = true;
+
+  constructor(
+    shader: { vertexShader: string; fragmentShader: string },
+    uniforms: Uniforms,
+    private readonly verticesARow: number,
+    order: number,
+    depth: boolean,
+  ) {
+    this.object = new Mesh(
+      this.#geometry,
+      new RawShaderMaterial({
+        ...shader,
+        glslVersion: GLSL3,
+        uniforms: { ...uniforms, rows: { value: this.table.texture } },
+        blending: NoBlending,
+        side: DoubleSide,
+        depthTest: depth,
+        depthWrite: depth,
+      }),
+    );
+    this.object.frustumCulled = false;
+    this.object.renderOrder = order;
+    this.#geometry.setDrawRange(0, 0);
+  }
+
+  /** Makes the table as long as the rows; true if all of them have to be written. */
+  prepare(rows: Rows): boolean {
+    this.#geometry.setDrawRange(0, rows.length * this.verticesARow);
+    this.#isEmpty = rows.length === 0;
+    const moved = this.table.reserve(rows.corners.length / rows.width);
+    if (moved) (this.object.material as RawShaderMaterial).uniforms.rows.value = this.table.texture;
+    const all = moved || this.isNew;
+    this.isNew = false;
+    return all;
+  }
+
+  show(isWanted: boolean): void {
+    this.object.visible = isWanted && !this.#isEmpty; // a table without a row has no texture yet
+  }
+
+  dispose(): void {
+    this.table.dispose();
+    this.#geometry.dispose();
+    (this.object.material as RawShaderMaterial).dispose();
+  }
+}
+
+export class Picture {
+  readonly renderer: WebGLRenderer;
+  readonly writer: TableWriter;
+
+  readonly #scene = new Scene();
+  readonly #camera = new Camera();
+  readonly #uniforms: Uniforms = {
+    vertices: { value: null },
+    cameraHi: { value: new Vector3() },
+    cameraLo: { value: new Vector3() },
+    project: { value: new Matrix4() },
+    size: { value: new Vector2(1, 1) },
+    now: { value: 0 },
+    fadeSeconds: { value: 1 },
+    fill: { value: 0 },
+    plain: { value: [0, 0, 0] },
+    line: { value: [0, 0, 0] },
+    glow: { value: [0, 0, 0] },
+    segment: { value: [0, 0, 0] },
+    border: { value: [0, 0, 0] },
+    point: { value: [0, 0, 0] },
+    hoverColour: { value: [0, 0, 0] },
+    hovered: { value: 0 },
+    ramp: { value: [] },
+    regions: { value: regionColours.flat() },
+    range: { value: [0, 1] },
+    edges: { value: true },
+    solid: { value: false },
+    eye: { value: new Vector3(0, 0, 1) },
+  };
+  #vertices = new Table(1);
+  #triangles: Layer | undefined;
+  #segments: Layer | undefined;
+  #points: Points | undefined;
+  #mesh: SlotMesh | undefined;
+  #origin: readonly number[] = [0, 0, 0];
+  #verticesAreNew = true;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'default' });
+    this.writer = new TableWriter(this.renderer);
+  }
+
+  resize(width: number, height: number, ratio: number): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    const size = this.#uniforms.size.value as Vector2;
+    this.renderer.getDrawingBufferSize(size);
+  }
+
+  /** Shows another mesh, with positions relative to the origin. */
+  setMesh(mesh: SlotMesh | undefined, origin: readonly number[]): void {
+    this.#clear();
+    this.#mesh = mesh;
+    this.#origin = origin;
+    this.#verticesAreNew = true;
+    if (mesh === undefined) return;
+    const isSpace = mesh.dimension === 3;
+    const uniforms = this.#uniforms;
+    uniforms.solid.value = isSpace;
+    this.#triangles = new Layer(shaders.triangles, uniforms, 3, 0, isSpace);
+    this.#segments = new Layer(
+      shaders.segments,
+      { ...uniforms, width: { value: 2 * this.renderer.getPixelRatio() } },
+      6,
+      1,
+      isSpace,
+    );
+    this.#points = new Points(
+      new BufferGeometry(),
+      new RawShaderMaterial({
+        ...shaders.points,
+        glslVersion: GLSL3,
+        uniforms: { ...uniforms, width: { value: 6 * this.renderer.getPixelRatio() } },
+        blending: NoBlending,
+        depthTest: isSpace,
+        depthWrite: isSpace,
+      }),
+    );
+    this.#points.frustumCulled = false;
+    this.#points.renderOrder = 2;
+    this.#scene.add(this.#triangles.object, this.#segments.object, this.#points);
+  }
+
+  /** Uploads what has changed in the mesh. */
+  update(): void {
+    const mesh = this.#mesh;
+    if (mesh === undefined) return;
+    this.#updateVertices(mesh);
+    const surface = mesh.dimension === 2 ? mesh.cells : mesh.subfacets;
+    this.#updateLayer(this.#triangles, surface, (row) => this.#writeTriangle(surface, row));
+    const { subsegments } = mesh;
+    this.#updateLayer(this.#segments, subsegments, (row) => this.#writeSegment(subsegments, row));
+    mesh.settle();
+  }
+
+  draw(eye: Eye, look: Look, now: number, hovered: number): void {
+    const uniforms = this.#uniforms;
+    const hi = uniforms.cameraHi.value as Vector3;
+    const lo = uniforms.cameraLo.value as Vector3;
+    const [x, y, z] = eye.position.map(halves);
+    hi.set(x[0], y[0], z[0]);
+    lo.set(x[1], y[1], z[1]);
+    (uniforms.project.value as Matrix4).copy(eye.project);
+    (uniforms.eye.value as Vector3).copy(eye.direction);
+    uniforms.now.value = now & STAMP_MASK;
+    uniforms.fadeSeconds.value = look.fadeSeconds;
+    uniforms.fill.value = fills.indexOf(look.fill);
+    const { theme } = look;
+    uniforms.plain.value = theme.plain;
+    uniforms.line.value = theme.line;
+    uniforms.glow.value = theme.glow;
+    uniforms.segment.value = theme.segment;
+    uniforms.border.value = theme.border;
+    uniforms.point.value = theme.point;
+    uniforms.hoverColour.value = theme.hover;
+    uniforms.hovered.value = hovered + 1;
+    uniforms.ramp.value = ramps[look.ramp].flat();
+    uniforms.range.value = look.range;
+    uniforms.edges.value = look.edges;
+    this.#triangles?.show(true);
+    this.#segments?.show(look.segments);
+    if (this.#points) this.#points.visible = look.points;
+    // In sRGB as they are: the renderer would take a Color for a linear one.
+    this.#clearTo(theme.background);
+    this.renderer.render(this.#scene, this.#camera);
+  }
+
+  dispose(): void {
+    this.#clear();
+    this.renderer.dispose();
+  }
+
+  #clearTo(colour: Colour): void {
+    const gl = this.renderer.getContext();
+    this.renderer.autoClear = false;
+    this.renderer.setRenderTarget(null);
+    gl.clearColor(colour[0], colour[1], colour[2], 1);
+    this.renderer.state.buffers.depth.setMask(true);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  #updateVertices(mesh: SlotMesh): void {
+    const { vertices } = mesh;
+    const moved = this.#vertices.reserve(2 * vertices.isLive.length);
+    this.#uniforms.vertices.value = this.#vertices.texture;
+    this.#points?.geometry.setDrawRange(0, vertices.length);
+    this.writer.begin(this.#vertices);
+    if (moved || this.#verticesAreNew) {
+      for (let slot = 0; slot < vertices.length; ++slot) this.#writeVertex(mesh, slot);
+    } else {
+      for (const slot of vertices.changed) this.#writeVertex(mesh, slot);
+    }
+    this.writer.end();
+    this.#verticesAreNew = false;
+  }
+
+  #updateLayer(layer: Layer | undefined, rows: Rows, write: (row: number) => void): void {
+    if (layer === undefined) return;
+    const all = layer.prepare(rows);
+    this.writer.begin(layer.table);
+    if (all) for (let row = 0; row < rows.length; ++row) write(row);
+    else for (const row of rows.changed) write(row);
+    this.writer.end();
+  }
+
+  #writeVertex(mesh: SlotMesh, slot: number): void {
+    const { vertices, dimension } = mesh;
+    for (let k = 0; k < dimension; ++k) {
+      const value = vertices.coordinates[slot * dimension + k] - this.#origin[k];
+      position[k] = value;
+      position[4 + k] = value - position[k];
+    }
+    for (let k = dimension; k < 3; ++k) position[k] = position[4 + k] = 0;
+    const { owners } = vertices;
+    const isInput =
+      vertices.isLive[slot] !== 0 &&
+      vertices.containingDimensions[slot] === 0 &&
+      !isBorder(owners[2 * slot], owners[2 * slot + 1]);
+    const [x, y, z] = [positionBits[0], positionBits[1], positionBits[2]];
+    this.writer.write(2 * slot, x, y, z, isInput ? 1 : 0);
+    const [p, q, r] = [positionBits[4], positionBits[5], positionBits[6]];
+    this.writer.write(2 * slot + 1, p, q, r, 0);
+  }
+
+  #writeTriangle(rows: Rows, row: number): void {
+    const { corners, tags, stamps } = rows;
+    if (!rows.isLive(row)) {
+      this.writer.write(row, 0, 0, 0, 0);
+      return;
+    }
+    const region = regionNumber(tags[2 * row], tags[2 * row + 1]);
+    this.writer.write(
+      row,
+      corners[3 * row] + 1,
+      corners[3 * row + 1] + 1,
+      corners[3 * row + 2] + 1,
+      (region << STAMP_BITS) | (stamps[row] & STAMP_MASK),
+    );
+  }
+
+  #writeSegment(rows: Rows, row: number): void {
+    const { corners, tags, stamps } = rows;
+    if (!rows.isLive(row)) {
+      this.writer.write(row, 0, 0, 0, 0);
+      return;
+    }
+    this.writer.write(
+      row,
+      corners[2 * row] + 1,
+      corners[2 * row + 1] + 1,
+      isBorder(tags[2 * row], tags[2 * row + 1]) ? 1 : 0,
+      stamps[row] & STAMP_MASK,
+    );
+  }
+
+  #clear(): void {
+    this.#scene.clear();
+    this.#triangles?.dispose();
+    this.#segments?.dispose();
+    if (this.#points) {
+      this.#points.geometry.dispose();
+      (this.#points.material as RawShaderMaterial).dispose();
+    }
+    this.#triangles = this.#segments = this.#points = undefined;
+    this.#vertices.dispose();
+    this.#vertices = new Table(1);
+  }
+}
+
+/** Higher halves at 0, lower ones at 4. */
+const position = new Float32Array(8);
+const positionBits = new Uint32Array(position.buffer);
+
+/** The present time in stamps; never 0, which stands for what did not change. */
+export function stampNow(): number {
+  return 1 + (Math.floor((performance.now() / 1000) * STAMPS_PER_SECOND) % STAMP_MASK);
+}

@@ -1,0 +1,4 @@
+import { App } from './app.js';
+import { setHooks } from './hooks.js';
+
+setHooks(new App());

@@ -1,0 +1,74 @@
+// The meshes of the server, with figures that are read again while the page is seen.
+import type { MeshStats } from '../../gen/dynmesh/v1/mesh_service_pb.js';
+import type { Service } from '../service/client.js';
+import { count, element } from './dom.js';
+
+const INTERVAL_MS = 2000;
+/** Meshes whose figures are asked for; others have their revision only. */
+const FIGURES = 20;
+
+export class MeshList {
+  #current = '';
+  readonly #stats = new Map<string, MeshStats>();
+
+  constructor(
+    private readonly service: Service,
+    private readonly parent: HTMLElement,
+    private readonly failed: (error: unknown) => void,
+  ) {
+    setInterval(() => {
+      if (!document.hidden) void this.refresh();
+    }, INTERVAL_MS);
+  }
+
+  select(mesh: string): void {
+    this.#current = mesh;
+    void this.refresh();
+  }
+
+  async refresh(): Promise<void> {
+    try {
+      const { meshes, nextPageToken } = await this.service.listMeshes({ pageSize: 1000 });
+      const shown = meshes.filter(({ owner }) => owner === '').slice(0, FIGURES);
+      await Promise.all(
+        shown.map(async ({ name }) => {
+          const { mesh } = await this.service.getStats({ mesh: name });
+          if (mesh) this.#stats.set(name, mesh);
+        }),
+      );
+      this.#show(
+        meshes.map(({ name, revision }) => ({ name, revision })),
+        nextPageToken !== '',
+      );
+    } catch (error) {
+      this.failed(error);
+    }
+  }
+
+  #show(meshes: readonly { name: string; revision: bigint }[], hasMore: boolean): void {
+    const rows = meshes.map(({ name, revision }) => {
+      const id = name.replace(/^meshes\//, '');
+      const link = element('a', { href: `#${new URLSearchParams({ mesh: id }).toString()}` }, id);
+      if (id === this.#current) link.setAttribute('aria-current', 'page');
+      link.append(element('small', {}, figuresOf(revision, this.#stats.get(name))));
+      return element('li', {}, link);
+    });
+    // What has the focus keeps it.
+    const focused = document.activeElement?.getAttribute('href');
+    this.parent.replaceChildren(
+      element('h2', {}, 'Meshes'),
+      rows.length === 0 ? element('p', {}, 'The server has no mesh.') : element('ul', {}, ...rows),
+    );
+    if (hasMore) this.parent.append(element('p', {}, 'There are more.'));
+    if (!focused) return;
+    for (const link of this.parent.querySelectorAll('a')) {
+      if (link.getAttribute('href') === focused) link.focus();
+    }
+  }
+}
+
+function figuresOf(revision: bigint, stats: MeshStats | undefined): string {
+  if (stats === undefined) return `revision ${count(revision)}`;
+  const kind = stats.dimension === 3 ? 'tetrahedra' : 'triangles';
+  return `${count(stats.simplices)} ${kind} · revision ${count(stats.revision)}`;
+}

@@ -1,0 +1,285 @@
+// What is seen of a mesh: the picture, the camera, and what pointers do with them. Draws when there
+// is something to draw: a change, a movement, or a glow that fades.
+import { Matrix4, Vector3 } from 'three';
+import { PlaneCamera, type Pixel, type Place } from './draw/camera.js';
+import { OrbitCamera } from './draw/orbit.js';
+import { Picture, stampNow, type Eye, type Look } from './draw/picture.js';
+import { STAMPS_PER_SECOND } from './draw/shaders.js';
+import { triangleAt } from './model/picking.js';
+import type { SlotMesh } from './model/slot_mesh.js';
+
+export interface Box {
+  lo: readonly number[];
+  hi: readonly number[];
+}
+
+export interface ViewListener {
+  /** The pointer is over another triangle; -1: over none. */
+  hovered(row: number): void;
+  clicked(row: number, place: Place): void;
+  /** The camera stands still again. */
+  settled(): void;
+}
+
+/** Pixels that a pointer may move in a click. */
+const CLICK = 4;
+
+export class View {
+  readonly plane = new PlaneCamera();
+  readonly orbit = new OrbitCamera();
+  readonly picture: Picture;
+  hovered = -1;
+  /** JavaScript time of the last frame that changed the mesh: uploads and drawing. */
+  updateMs = 0;
+  frames = 0;
+
+  #mesh: SlotMesh | undefined;
+  #box: Box = { lo: [0, 0, 0], hi: [1, 1, 1] };
+  #isScheduled = false;
+  #meshChanged = false;
+  /** Until when something glows, in milliseconds. */
+  #glowsUntil = 0;
+  #frozenAt: number | undefined;
+  readonly #pointers = new Map<number, Pixel>();
+  #moved = 0;
+  #pointer: Pixel | undefined;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    public look: Look,
+    private readonly listener: ViewListener,
+  ) {
+    this.picture = new Picture(canvas);
+    new ResizeObserver(() => this.#resize()).observe(canvas);
+    this.#resize();
+    canvas.addEventListener('pointerdown', (event) => this.#down(event));
+    canvas.addEventListener('pointermove', (event) => this.#move(event));
+    canvas.addEventListener('pointerup', (event) => this.#up(event));
+    canvas.addEventListener('pointercancel', (event) => this.#pointers.delete(event.pointerId));
+    canvas.addEventListener('pointerleave', () => this.#leave());
+    canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
+  }
+
+  get isSpace(): boolean {
+    return this.#mesh?.dimension === 3;
+  }
+
+  /** The least scale of the picture is that of the whole box. */
+  setBox(box: Box): void {
+    this.#box = box;
+    this.fit();
+  }
+
+  get box(): Box {
+    return this.#box;
+  }
+
+  setMesh(mesh: SlotMesh | undefined): void {
+    this.#mesh = mesh;
+    this.hovered = -1;
+    this.picture.setMesh(mesh, this.#origin());
+    this.meshChanged();
+  }
+
+  meshChanged(): void {
+    this.#meshChanged = true;
+    this.#glowsUntil = performance.now() + 1000 * this.look.fadeSeconds;
+    this.invalidate();
+  }
+
+  setLook(look: Look): void {
+    this.look = look;
+    this.invalidate();
+  }
+
+  fit(): void {
+    const { lo, hi } = this.#box;
+    this.plane.fit({ lo: { x: lo[0], y: lo[1] }, hi: { x: hi[0], y: hi[1] } });
+    const low = new Vector3(lo[0], lo[1], lo[2] ?? 0);
+    const high = new Vector3(hi[0], hi[1], hi[2] ?? 0);
+    const radius = low.distanceTo(high) / 2;
+    this.orbit.fit(low.add(high).multiplyScalar(0.5), radius);
+    this.invalidate();
+    this.listener.settled();
+  }
+
+  /** Makes things `factor` times as large, about the middle. */
+  zoom(factor: number): void {
+    const middle = { x: this.plane.width / 2, y: this.plane.height / 2 };
+    if (this.isSpace) this.orbit.zoom(middle, factor);
+    else this.plane.zoom(middle, factor);
+    this.invalidate();
+    this.listener.settled();
+  }
+
+  pan(dx: number, dy: number): void {
+    if (this.isSpace) this.orbit.pan(dx, dy);
+    else this.plane.pan(dx, dy);
+    this.invalidate();
+    this.listener.settled();
+  }
+
+  /** Draws in the next frame. */
+  invalidate(): void {
+    if (this.#isScheduled) return;
+    this.#isScheduled = true;
+    requestAnimationFrame(() => {
+      this.#isScheduled = false;
+      this.drawNow();
+    });
+  }
+
+  /** The time that what changes now gets. */
+  stamp(): number {
+    return this.#frozenAt ?? stampNow();
+  }
+
+  /** Stops the clock of the glow. */
+  freeze(isFrozen: boolean): void {
+    this.#frozenAt = isFrozen ? stampNow() : undefined;
+    this.invalidate();
+  }
+
+  drawNow(): void {
+    const begin = performance.now();
+    const changed = this.#meshChanged;
+    if (changed) {
+      this.#meshChanged = false;
+      this.picture.update();
+      this.#hoverAgain();
+    }
+    this.picture.draw(this.#eye(), this.look, this.stamp(), this.hovered);
+    ++this.frames;
+    if (changed) this.updateMs = performance.now() - begin;
+    // One frame more than the glow lasts shows that it is over.
+    const last = this.#glowsUntil + 2000 / STAMPS_PER_SECOND;
+    if (this.#frozenAt === undefined && performance.now() < last) this.invalidate();
+  }
+
+  #origin(): number[] {
+    return [0, 1, 2].map((k) => ((this.#box.lo[k] ?? 0) + (this.#box.hi[k] ?? 0)) / 2);
+  }
+
+  #eye(): Eye {
+    const [x, y, z] = this.#origin();
+    if (this.isSpace) {
+      const position = this.orbit.position();
+      return {
+        position: [position.x - x, position.y - y, position.z - z],
+        project: this.orbit.projection(),
+        direction: this.orbit.direction(),
+      };
+    }
+    const { centre, scale, width, height } = this.plane;
+    return {
+      position: [centre.x - x, centre.y - y, 0],
+      project: new Matrix4().makeScale((2 * scale) / width, (2 * scale) / height, 1),
+      direction: new Vector3(0, 0, 1),
+    };
+  }
+
+  #resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    const isFirst = this.plane.width === 1;
+    this.plane.resize(clientWidth, clientHeight);
+    this.orbit.resize(clientWidth, clientHeight);
+    this.picture.resize(clientWidth, clientHeight, devicePixelRatio);
+    if (isFirst) this.fit();
+    else this.drawNow(); // a canvas of another size is empty
+  }
+
+  #pixelOf(event: MouseEvent): Pixel {
+    const frame = this.canvas.getBoundingClientRect();
+    return { x: event.clientX - frame.left, y: event.clientY - frame.top };
+  }
+
+  #down(event: PointerEvent): void {
+    this.canvas.setPointerCapture(event.pointerId);
+    if (this.#pointers.size === 0) this.#moved = 0;
+    this.#pointers.set(event.pointerId, this.#pixelOf(event));
+  }
+
+  #move(event: PointerEvent): void {
+    const pixel = this.#pixelOf(event);
+    const before = this.#pointers.get(event.pointerId);
+    if (before === undefined) {
+      this.#pointer = pixel;
+      this.#hoverAgain();
+      return;
+    }
+    const dx = pixel.x - before.x;
+    const dy = pixel.y - before.y;
+    this.#moved += Math.hypot(dx, dy);
+    const [other] = [...this.#pointers].filter(([id]) => id !== event.pointerId);
+    this.#pointers.set(event.pointerId, pixel);
+    if ((other as typeof other | undefined) !== undefined) {
+      this.#pinch(before, pixel, other[1]);
+    } else if (this.isSpace && event.buttons === 1 && !event.shiftKey) {
+      this.orbit.turn(dx, dy);
+    } else if (this.isSpace) {
+      this.orbit.pan(dx, dy);
+    } else {
+      this.plane.pan(dx, dy);
+    }
+    this.invalidate();
+  }
+
+  /** Two fingers: one has moved, the other stays. */
+  #pinch(before: Pixel, after: Pixel, other: Pixel): void {
+    const distance = (pixel: Pixel): number => Math.hypot(pixel.x - other.x, pixel.y - other.y);
+    const factor = distance(after) / Math.max(1, distance(before));
+    const dx = (after.x - before.x) / 2;
+    const dy = (after.y - before.y) / 2;
+    if (this.isSpace) {
+      this.orbit.zoom(other, factor);
+      this.orbit.pan(dx, dy);
+    } else {
+      this.plane.zoom({ x: (after.x + other.x) / 2, y: (after.y + other.y) / 2 }, factor);
+      this.plane.pan(dx, dy);
+    }
+  }
+
+  #up(event: PointerEvent): void {
+    this.#pointers.delete(event.pointerId);
+    if (this.#pointers.size > 0) return;
+    if (this.#moved > CLICK) {
+      this.listener.settled();
+      return;
+    }
+    const pixel = this.#pixelOf(event);
+    const place = this.plane.placeOf(pixel);
+    this.listener.clicked(this.#rowAt(place), place);
+  }
+
+  #leave(): void {
+    this.#pointer = undefined;
+    this.#hoverAgain();
+  }
+
+  #wheel(event: WheelEvent): void {
+    event.preventDefault();
+    const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
+    const factor = Math.exp(-event.deltaY * lines * 0.0015);
+    const pixel = this.#pixelOf(event);
+    if (this.isSpace) this.orbit.zoom(pixel, factor);
+    else this.plane.zoom(pixel, factor);
+    this.invalidate();
+    this.listener.settled();
+  }
+
+  #rowAt(place: Place): number {
+    const mesh = this.#mesh;
+    if (mesh?.dimension !== 2) return -1;
+    return triangleAt(mesh, place.x, place.y, this.hovered);
+  }
+
+  /** The mesh or the pointer may have moved. */
+  #hoverAgain(): void {
+    const row = this.#pointer === undefined ? -1 : this.#rowAt(this.plane.placeOf(this.#pointer));
+    const changed = row !== this.hovered;
+    this.hovered = row;
+    if (changed) this.invalidate();
+    if (changed || row >= 0) this.listener.hovered(row);
+  }
+}
