@@ -37,15 +37,13 @@ std::optional<HttpReply> AnswerWithFile(absl::Span<const StaticFile> files,
       return PlainReply(405, "this is a file: GET or HEAD it\n", {{"Allow", "GET, HEAD"}});
     }
     const std::string tag = absl::StrCat("\"", file.tag, "\"");
-    const bool never_changes = absl::StartsWith(path, "/assets/");
     HttpReply reply;
-    reply.headers = {
-        {"Content-Security-Policy", std::string(kPolicy)},
-        {"Cross-Origin-Opener-Policy", "same-origin"},
-        {"Cross-Origin-Resource-Policy", "same-origin"},
-        {"Referrer-Policy", "no-referrer"},
-        {"Cache-Control", never_changes ? "public, max-age=31536000, immutable" : "no-cache"},
-        {"ETag", tag}};
+    reply.headers = {{"Content-Security-Policy", std::string(kPolicy)},
+                     {"Cross-Origin-Opener-Policy", "same-origin"},
+                     {"Cross-Origin-Resource-Policy", "same-origin"},
+                     {"Referrer-Policy", "no-referrer"},
+                     {"Cache-Control", "no-cache"},
+                     {"ETag", tag}};
     if (IsKnown(request.Find("If-None-Match"), tag)) {
       reply.status = 304;
       return reply;

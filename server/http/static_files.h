@@ -26,8 +26,7 @@ absl::Span<const StaticFile> WebPage();
 // path. Browsers are told
 //   * that the page loads from its own server alone and is in no frame
 //     (Content-Security-Policy);
-//   * that a file of /assets/ has its hash in its name, so it never changes, and that others are
-//     asked for again (by their tag: 304, if they are as they were).
+//   * that they ask again before they use what they have, by its tag (304, if it is as it was).
 // O(files + bytes). Thread-safe.
 std::optional<HttpReply> AnswerWithFile(absl::Span<const StaticFile> files,
                                         const HttpRequest& request);

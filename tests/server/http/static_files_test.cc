@@ -45,12 +45,6 @@ TEST(StaticFiles, ThePageLoadsFromItsServerAlone) {
   EXPECT_FALSE(absl::StrContains(policy, "http")) << policy;
 }
 
-TEST(StaticFiles, NamesWithAHashAreKept) {
-  const auto reply = Ask("GET", "/assets/x-1.js");
-  ASSERT_TRUE(reply);
-  EXPECT_TRUE(absl::StrContains(HeaderOf(*reply, "Cache-Control"), "immutable"));
-}
-
 TEST(StaticFiles, WhatTheBrowserHasIsNotSentAgain) {
   for (const char* known : {"\"aa\"", "\"cc\", W/\"aa\"", "*"}) {
     const auto reply = Ask("GET", "/index.html", {{"If-None-Match", known}});
