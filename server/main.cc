@@ -162,13 +162,16 @@ int Serve(const Flags& flags, Signals& signals) {
     return Fail(absl::IsInvalidArgument(journal.status()) ? 2 : 1, journal.status());
   }
   auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal),
-                              &dynmesh::BuildMesh);
+                              &dynmesh::BuildMesh, dynmesh::server::WebPage());
   if (!server.ok()) {
     return Fail(server.status().code() == absl::StatusCode::kInvalidArgument ? 2 : 1,
                 server.status());
   }
   signals.Serves(server->get());
   std::printf("dynmeshd listening on %s\n", (*server)->address().c_str());
+  if (const std::string http = (*server)->http_address(); !http.empty()) {
+    std::printf("over HTTP, with a page for browsers: http://%s/\n", http.c_str());
+  }
   std::fflush(stdout);
   if (!flags.port_file.empty() && !WritePortFile(flags.port_file, (*server)->port())) {
     return Fail(1, absl::UnknownError("cannot write " + flags.port_file));

@@ -30,9 +30,9 @@
 #include "server/cluster/lease_keeper.h"
 #include "server/collect.h"
 #include "server/http/http_door.h"
+#include "server/http/metrics_http.h"
 #include "server/journal_watch.h"
 #include "server/metrics/call_observer.h"
-#include "server/metrics/metrics_http.h"
 
 namespace dynmesh::server {
 namespace {
@@ -152,8 +152,9 @@ class Ticker {
 struct Server::Impl {
   Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j,
        std::unique_ptr<Access> a, MeshBuilder builder,
-       std::shared_ptr<grpc::ChannelCredentials> neighbours)
+       std::shared_ptr<grpc::ChannelCredentials> neighbours, absl::Span<const StaticFile> files)
       : config(c),
+        page(files),
         journal(std::move(j)),
         journal_watch(journal.get()),
         access(std::move(a)),
@@ -229,6 +230,7 @@ struct Server::Impl {
     options.limits.send_limit = std::chrono::milliseconds(Milliseconds(config.send_timeout));
     options.name = config.http_name;
     options.has_tokens = !config.tokens_file.empty();
+    options.files = page;
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(-1);  // answers are the service's own
     auto listening = HttpDoor::Listen(options, server->InProcessChannel(arguments));
@@ -366,6 +368,7 @@ struct Server::Impl {
 
   // Destroyed in reverse order: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
+  const absl::Span<const StaticFile> page;
   const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
   JournalWatch journal_watch;
   const std::unique_ptr<Access> access;
@@ -403,7 +406,8 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
                                                       MeshFactory factory,
                                                       std::unique_ptr<Journal> journal,
-                                                      MeshBuilder builder) {
+                                                      MeshBuilder builder,
+                                                      absl::Span<const StaticFile> page) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   std::shared_ptr<TlsCredentials> tls;  // null: none
@@ -419,7 +423,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   if (!neighbours.ok()) return neighbours.status();
   auto impl =
       std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access),
-                             std::move(builder), *std::move(neighbours));
+                             std::move(builder), *std::move(neighbours), page);
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   impl->credentials = std::move(credentials);
   impl->tls = std::move(tls);

@@ -9,6 +9,7 @@
 #include "server/access/connection_table.h"
 #include "server/config/config.h"
 #include "server/http/http_server.h"
+#include "server/http/static_files.h"
 #include "server/journal/journal.h"
 #include "server/meshes/build_pool.h"
 #include "server/meshes/mesh_host.h"
@@ -22,11 +23,13 @@ class Server {
   // `config`, UNAVAILABLE if the address or the journal is not available. With a `journal`, its
   // meshes are recovered, and edits are answered after the journal has them; without one, nothing
   // outlives the process. During recovery the port is open and calls are answered UNAVAILABLE
-  // (RECOVERING). Builds are made by `builder`; without one, BuildMesh is UNIMPLEMENTED.
+  // (RECOVERING). Builds are made by `builder`; without one, BuildMesh is UNIMPLEMENTED. `page`:
+  // files that are answered over HTTP, too.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        MeshFactory factory,
                                                        std::unique_ptr<Journal> journal = nullptr,
-                                                       MeshBuilder builder = nullptr);
+                                                       MeshBuilder builder = nullptr,
+                                                       absl::Span<const StaticFile> page = {});
   // Cuts off running calls; call Drain first to let them end.
   ~Server();
 

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_SERVER_BASE_LISTENING_H_
 #define DYNMESH_SERVER_BASE_LISTENING_H_
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct Listening {
 // one, the same for all. The sockets do not block, and are closed by exec. UNAVAILABLE, with the
 // reason, if none can be bound, as when another process has the port.
 absl::StatusOr<Listening> ListenOn(const std::string& host, const std::string& port);
+
+// Until the next try to accept a connection when there was no descriptor for it.
+inline constexpr std::chrono::milliseconds kAcceptRetry{50};
 
 }  // namespace dynmesh::server
 

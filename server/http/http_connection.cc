@@ -88,11 +88,7 @@ bool HttpConnection::Write(absl::string_view bytes) {
 }
 
 void HttpConnection::Refuse(int status) {
-  const HttpReply reply =
-      PlainReply(status, status == 411   ? "the request is to have a Content-Length\n"
-                         : status == 413 ? "the request is larger than this server takes\n"
-                         : status == 415 ? "requests are taken uncompressed\n"
-                                         : "this is no request of HTTP/1.1 as RFC 9112 has it\n");
+  const HttpReply reply = Refusal(status);
   if (!Write(absl::StrCat(HttpReplyHead(reply, /*closes=*/true, false), reply.body))) return;
   shutdown(socket_, SHUT_WR);
   std::size_t ignored = buffer_.size();

@@ -1,5 +1,6 @@
 #include "server/http/http_door.h"
 
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,7 +11,10 @@ namespace dynmesh::server {
 
 HttpReply HttpDoor::Answer(const HttpRequest& request) const {
   if (!ConnectCalls::IsMethod(request.path)) {
-    return PlainReply(404, "there is POST /dynmesh.v1.MeshService/METHOD\n");
+    if (std::optional<HttpReply> file = AnswerWithFile(files_, request)) return *std::move(file);
+    return PlainReply(404, files_.empty() && request.path == "/"
+                               ? "this program was built without its page, for which it takes npm\n"
+                               : "there is POST /dynmesh.v1.MeshService/METHOD\n");
   }
   if (!has_tokens_ || request.Find("Authorization") == nullptr) {
     if (const std::string why = WhyCrossSite(request, name_); !why.empty()) {
@@ -24,8 +28,7 @@ absl::StatusOr<std::unique_ptr<HttpDoor>> HttpDoor::Listen(const Options& option
                                                            std::shared_ptr<grpc::Channel> channel) {
   const absl::StatusOr<HostPort> wanted = ParseHostPort("http", options.listen);
   if (!wanted.ok()) return wanted.status();
-  std::unique_ptr<HttpDoor> door(
-      new HttpDoor(wanted->host, options.name, options.has_tokens, std::move(channel)));
+  std::unique_ptr<HttpDoor> door(new HttpDoor(wanted->host, options, std::move(channel)));
   auto server = HttpServer::Listen(
       wanted->host, wanted->port, options.limits,
       [door = door.get()](const HttpRequest& request) { return door->Answer(request); });

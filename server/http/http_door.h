@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "server/http/connect_calls.h"
 #include "server/http/http_server.h"
+#include "server/http/static_files.h"
 
 namespace dynmesh::server {
 
@@ -22,6 +23,7 @@ class HttpDoor {
     std::string name;  // of the address that browsers have, as of a proxy; empty: the host's own
     // Tokens are checked: a request that has one was not made by a page of another site.
     bool has_tokens = false;
+    absl::Span<const StaticFile> files;  // answered to any site: they are the program's, not data
   };
   // `channel`: to the service, within this process. INVALID_ARGUMENT for an address that is none,
   // UNAVAILABLE if it cannot be listened on.
@@ -34,17 +36,18 @@ class HttpDoor {
   HttpServer::Counts counts() const { return server_->counts(); }
 
  private:
-  HttpDoor(std::string host, std::string name, bool has_tokens,
-           std::shared_ptr<grpc::Channel> channel)
+  HttpDoor(std::string host, const Options& options, std::shared_ptr<grpc::Channel> channel)
       : host_(std::move(host)),
-        name_(name.empty() ? host_ : std::move(name)),
-        has_tokens_(has_tokens),
+        name_(options.name.empty() ? host_ : options.name),
+        has_tokens_(options.has_tokens),
+        files_(options.files),
         calls_(std::move(channel)) {}
   HttpReply Answer(const HttpRequest& request) const;
 
   const std::string host_;
   const std::string name_;
   const bool has_tokens_;
+  const absl::Span<const StaticFile> files_;
   const ConnectCalls calls_;
   std::unique_ptr<HttpServer> server_;  // the first to end: it calls the others
 };

@@ -35,6 +35,8 @@ const char* ReasonOf(int status) {
   switch (status) {
     case 200:
       return "OK";
+    case 304:
+      return "Not Modified";
     case 400:
       return "Bad Request";
     case 401:
@@ -146,6 +148,14 @@ HttpReply PlainReply(int status, std::string text, HttpHeaders headers) {
   return {status, std::move(headers), "text/plain", std::move(text), nullptr};
 }
 
+HttpReply Refusal(int status) {
+  return PlainReply(status, status == 411   ? "the request is to have a Content-Length\n"
+                            : status == 413 ? "the request is larger than this server takes\n"
+                            : status == 415
+                                ? "requests are taken uncompressed\n"
+                                : "this is no request of HTTP/1.1 as RFC 9112 has it\n");
+}
+
 HttpHead ParseHttpHead(absl::string_view text, std::size_t most_body) {
   HttpHead head;
   absl::ConsumeSuffix(&text, "\r\n\r\n");
@@ -162,11 +172,13 @@ HttpHead ParseHttpHead(absl::string_view text, std::size_t most_body) {
 std::string HttpReplyHead(const HttpReply& reply, bool closes, bool is_chunked) {
   std::string head = absl::StrCat("HTTP/1.1 ", reply.status, " ", ReasonOf(reply.status), "\r\n");
   for (const auto& [name, value] : reply.headers) absl::StrAppend(&head, name, ": ", value, "\r\n");
-  absl::StrAppend(&head, "Content-Type: ", reply.type, "\r\nX-Content-Type-Options: nosniff\r\n");
-  if (is_chunked) {
-    absl::StrAppend(&head, "Transfer-Encoding: chunked\r\n");
-  } else if (reply.stream == nullptr) {
-    absl::StrAppend(&head, "Content-Length: ", reply.body.size(), "\r\n");
+  if (reply.status != 304) {  // that has no content, and would describe the client's
+    absl::StrAppend(&head, "Content-Type: ", reply.type, "\r\nX-Content-Type-Options: nosniff\r\n");
+    if (is_chunked) {
+      absl::StrAppend(&head, "Transfer-Encoding: chunked\r\n");
+    } else if (reply.stream == nullptr) {
+      absl::StrAppend(&head, "Content-Length: ", reply.body.size(), "\r\n");
+    }
   }
   absl::StrAppend(&head, closes ? "Connection: close\r\n\r\n" : "\r\n");
   return head;

@@ -66,6 +66,9 @@ inline constexpr std::size_t kMostHeadBytes = 16 << 10, kMostHttpHeaders = 100;
 // two.
 HttpHead ParseHttpHead(absl::string_view head, std::size_t most_body);
 
+// The answer to a request with such an error.
+HttpReply Refusal(int status);
+
 // The status line and headers of a reply, with the empty line. `closes`: the connection ends after
 // it. `is_chunked`: its content comes in chunks.
 std::string HttpReplyHead(const HttpReply& reply, bool closes, bool is_chunked);

@@ -29,8 +29,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Until the next try when there is no descriptor for a connection.
-constexpr milliseconds kRetry{50};
 // Connections that are being refused, and the time that one has to send its request.
 constexpr std::size_t kMostRefused = 32;
 constexpr milliseconds kRefusing{1000};
@@ -163,7 +161,7 @@ class HttpServer::Impl {
                                SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
       if (errno == EINTR || errno == ECONNABORTED) return true;
-      if (errno != EAGAIN) std::this_thread::sleep_for(kRetry);
+      if (errno != EAGAIN) std::this_thread::sleep_for(kAcceptRetry);
       return false;
     }
     SetUp(socket);

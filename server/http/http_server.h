@@ -6,8 +6,8 @@
 //     closed its end of the connection;
 //   * connections above `most_connections`, or above half of them from one address, are answered
 //     503, and further ones are closed at once.
-// Not by cpp-httplib, which the metrics use: it leaves the body of a refused request in the
-// connection, where it is taken for the next request, and bounds neither lines nor time.
+// Not by cpp-httplib: it leaves the body of a refused request in the connection, where it is taken
+// for the next request, and bounds neither lines nor time.
 #ifndef DYNMESH_SERVER_HTTP_HTTP_SERVER_H_
 #define DYNMESH_SERVER_HTTP_HTTP_SERVER_H_
 

@@ -21,7 +21,7 @@
 #include "server/journal/row_sum.h"
 #include "tests/cluster/writer.h"
 #include "tests/e2e/killed_clients.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 
 namespace dynmesh::test {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/cluster/cluster_fixture.h"
 #include "tests/e2e/killed_clients.h"
 #include "tests/e2e/run_dynmesh.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 
 namespace dynmesh::test {
 namespace {

@@ -36,7 +36,7 @@ def variables_of(script):
 
 def paths_served():
     """What dynmeshd answers over HTTP."""
-    text = (SOURCE / "server/metrics/metrics_http.cc").read_text()
+    text = (SOURCE / "server/http/metrics_http.cc").read_text()
     return set(re.findall(r'request\.path == "(/[a-z]+)"', text))
 
 

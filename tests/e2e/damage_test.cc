@@ -14,7 +14,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/daemon.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh {

@@ -14,7 +14,7 @@
 #include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh {

@@ -38,7 +38,7 @@ class ServerFixture : public ::testing::Test {
         [gate = gate_](const MeshOptions& options, const ApplyOptions&) {
           return MakeFake(options, gate);
         },
-        nullptr, builder_);
+        nullptr, builder_, page_);
     ASSERT_TRUE(server.ok()) << Text(server.status());
     server_ = *std::move(server);
     client_ = client::MeshClient::Connect(server_->address());
@@ -103,6 +103,7 @@ class ServerFixture : public ::testing::Test {
 
   std::shared_ptr<FakeGate> gate_ = std::make_shared<FakeGate>();
   std::shared_ptr<FakeGate> build_gate_ = std::make_shared<FakeGate>();
+  absl::Span<const StaticFile> page_;
   MeshBuilder builder_ = [gate = build_gate_](auto features, const auto& options,
                                               const auto& build) {
     return BuildFake(features, options, build, gate);

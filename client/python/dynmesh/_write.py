@@ -19,7 +19,8 @@ class Writable:
         """Writes the whole mesh, or the part as a mesh of its own, as the command does. O(mesh).
 
         Formats: .msh (Gmsh), .vtu, .mesh (Medit), .node (Triangle, TetGen, with .ele, .edge and
-        .face beside it), .svg (a picture); of a quadtree .csv, .vtu and .svg. Names of features are
+        .face beside it), .inp (Abaqus, CalculiX), .su2, in 2D .2dm (SMS, QGIS), .14 or .grd
+        (ADCIRC), .svg (a picture); of a quadtree .csv, .vtu and .svg. Names of features are
         groups. Either the files are complete, or the former ones stay. Raises `InvalidArgument` for
         another extension, `Unavailable` if a file cannot be written. Of a part it raises
         `FailedPrecondition` if that is not at the mesh's revision. Of what is opened a file has all

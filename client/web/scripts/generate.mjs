@@ -9,7 +9,7 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const home = dirname(dirname(fileURLToPath(import.meta.url)));
-const contract = join(home, '../../proto');
+const contract = process.env.DYNMESH_PROTO ?? join(home, '../../proto');
 const gen = join(home, 'gen');
 const copy = join(gen, 'proto');
 

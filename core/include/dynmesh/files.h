@@ -89,11 +89,11 @@ struct OutputChoices {
 
 // Writes `mesh`, made with `options`, to `path` by its extension: .node (with .ele, .edge and, in
 // 3D, .face beside it; .poly, .smesh or .neigh with that file, too), .vtu, .msh (Gmsh), .mesh
-// (Medit) or .svg (a picture: angles of triangles, of a 3D mesh those in a cut); a quadtree to
-// .csv, .vtu or .svg. `choices` are as above. Names of labels become groups. Either the files are
-// complete, or the former ones stay. INVALID_ARGUMENT for another extension, a mesh with unknown
-// ids, or an order that the format does not have; UNAVAILABLE if a file cannot be written.
-// O(n lg n).
+// (Medit), .inp (Abaqus), .su2, in 2D .2dm (SMS), .14 or .grd (ADCIRC), or .svg (a picture: angles
+// of triangles, of a 3D mesh those in a cut); a quadtree to .csv, .vtu or .svg. `choices` are as
+// above. Names of labels become groups. Either the files are complete, or the former ones stay.
+// INVALID_ARGUMENT for another extension, a mesh with unknown ids, or an order that the format does
+// not have; UNAVAILABLE if a file cannot be written. O(n lg n).
 absl::Status WriteMesh(const Mesh& mesh, const MeshOptions& options, const std::string& path,
                        const OutputChoices& choices = {});
 

@@ -15,6 +15,10 @@
 #include "core/io/pictures/leaf_svg.h"
 #include "core/io/plane/planar_input.h"
 #include "core/io/plane/planar_output.h"
+#include "core/io/solvers/abaqus_writer.h"
+#include "core/io/solvers/adcirc_writer.h"
+#include "core/io/solvers/sms_writer.h"
+#include "core/io/solvers/su2_writer.h"
 #include "core/io/space/space_input.h"
 #include "core/io/space/surface_files.h"
 #include "core/io/space/surface_output.h"
@@ -287,6 +291,38 @@ constexpr Format kFormats[] = {
      .read_elements = ReadMeditFile,
      .read_mesh = ReadForeign<ReadMeditFile>,
      .write_mesh = WriteAlone<WriteMedit>},
+    {.extension = ".inp",
+     .what = "Abaqus and CalculiX",
+     .in_2d = true,
+     .in_3d = true,
+     .flags = kSecondOrder | kChosenMarkers,
+     .document = kMeshes,
+     .write_mesh = WriteAlone<WriteAbaqus>},
+    {.extension = ".su2",
+     .what = "SU2",
+     .in_2d = true,
+     .in_3d = true,
+     .flags = kChosenMarkers,
+     .document = kMeshes,
+     .write_mesh = WriteAlone<WriteSu2>},
+    {.extension = ".2dm",
+     .what = "SMS and QGIS",
+     .in_2d = true,
+     .flags = kChosenMarkers,
+     .document = kMeshes,
+     .write_mesh = WriteAlone<WriteSms>},
+    {.extension = ".14",
+     .what = "ADCIRC",
+     .in_2d = true,
+     .flags = kChosenMarkers,
+     .document = kMeshes,
+     .write_mesh = WriteAlone<WriteAdcirc>},
+    {.extension = ".grd",
+     .what = "ADCIRC",
+     .in_2d = true,
+     .flags = kChosenMarkers,
+     .document = kMeshes,
+     .write_mesh = WriteAlone<WriteAdcirc>},
     {.extension = ".svg",
      .what = "a picture",
      .in_2d = true,
@@ -330,9 +366,9 @@ constexpr Format kFormats[] = {
 
 // Formats of geometry and meshes that other programs have: not to be taken for edit scripts.
 constexpr std::string_view kOthers[] = {
-    ".3ds", ".3mf", ".bdf",  ".brep",   ".cdb",  ".cgns", ".dae", ".dxf", ".e",     ".exo",
-    ".fbx", ".geo", ".glb",  ".gltf",   ".iges", ".igs",  ".inp", ".med", ".meshb", ".nas",
-    ".png", ".shp", ".step", ".sldprt", ".stp",  ".unv",  ".vtk", ".vtp", ".wkt"};
+    ".3ds", ".3mf",  ".bdf",    ".brep", ".cdb",  ".cgns", ".dae", ".dxf",   ".e",   ".exo",
+    ".fbx", ".geo",  ".glb",    ".gltf", ".iges", ".igs",  ".med", ".meshb", ".nas", ".png",
+    ".shp", ".step", ".sldprt", ".stp",  ".unv",  ".vtk",  ".vtp", ".wkt"};
 
 }  // namespace
 

@@ -415,3 +415,25 @@ def test_a_mesh_and_a_part_are_written(make_mesh, tmp_path):
     mesh.apply(add_points={50: (0.6, 0.45)})
     with pytest.raises(dynmesh.FailedPrecondition, match="update the part first"):
         part.write(tmp_path / "part.vtu")
+
+
+def test_a_part_is_written_for_solvers(make_mesh, tmp_path):
+    """meshio reads the cells, and the sets by the names of features."""
+    meshio = pytest.importorskip("meshio")
+    mesh = make_mesh()
+    mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2), 3: (0.8, 0.8)}, add_polygons={7: [1, 2, 3]},
+               set_labels={7: dynmesh.Label(3, "thin plate")})
+    part = mesh.part(polygons=7)
+    border = {frozenset(edge) for edge in part.facets.tolist()}
+    for name in ("part.inp", "part.su2"):
+        part.write(tmp_path / name)
+        read = meshio.read(tmp_path / name)
+        assert len(read.cells_dict["triangle"]) == len(part.cells)
+        assert len(read.points) == len(part.points)
+    abaqus, su2 = meshio.read(tmp_path / "part.inp"), meshio.read(tmp_path / "part.su2")
+    assert set(abaqus.cell_sets) == {"thin_plate"}
+    assert set(abaqus.point_sets) == {"thin_plate_edges"}
+    assert len(abaqus.point_sets["thin_plate_edges"]) == len({v for edge in border for v in edge})
+    assert len(su2.cells_dict["line"]) == len(border)
+    with pytest.raises(dynmesh.InvalidArgument, match="order 2 is for"):
+        part.write(tmp_path / "part.su2", order=2)

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/token_hash.h"
 #include "server/http/connect_protocol.h"
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temp_folder.h"
 
@@ -63,6 +63,11 @@ class HttpDoorTest : public ServerFixture {
     return absl::StrCat("POST /dynmesh.v1.MeshService/", method, " HTTP/1.1\r\nHost: 127.0.0.1\r\n",
                         "Connection: close\r\nContent-Type: ", type, "\r\n", more,
                         "Content-Length: ", body.size(), "\r\n\r\n", body);
+  }
+  Answer Get(const std::string& path, const std::string& more = "") const {
+    return ParseHttp(SendHttp(
+        server_->http_address(),
+        absl::StrCat("GET ", path, " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n", more, "\r\n")));
   }
   Answer Json(const std::string& method, const json& body, const std::string& more = "") const {
     return Post(method, "application/json", body.dump(), more);
@@ -209,6 +214,28 @@ TEST_F(HttpDoorTest, PagesOfOtherSitesAreRefused) {
                 .status,
             403);
   EXPECT_EQ(Json("ListMeshes", json::object(), "Origin: http://127.0.0.1\r\n").status, 200);
+}
+
+TEST_F(HttpDoorTest, FilesOfThePageAreForAllPages) {
+  static constexpr StaticFile kPage[] = {{"/index.html", "text/html", "1", "<p>page</p>"},
+                                         {"/assets/a.js", "text/javascript", "2", "1"}};
+  page_ = kPage;
+  Start();
+  for (const char* path : {"/", "/index.html", "/?mesh=m"}) {
+    const Answer page = Get(path, "Sec-Fetch-Site: cross-site\r\n");
+    EXPECT_EQ(page.status, 200) << path;
+    EXPECT_EQ(page.body, "<p>page</p>") << path;
+  }
+  EXPECT_EQ(Get("/assets/a.js").body, "1");
+  EXPECT_EQ(Get("/assets/b.js").status, 404);
+  EXPECT_EQ(Get("/assets/../index.html").status, 404);
+}
+
+TEST_F(HttpDoorTest, AProgramWithoutAPageSaysSo) {
+  Start();
+  const Answer answer = Get("/");
+  EXPECT_EQ(answer.status, 404);
+  EXPECT_TRUE(absl::StrContains(answer.body, "without its page")) << answer.body;
 }
 
 TEST_F(HttpDoorTest, AProxysNameIsThatOfTheServersPages) {

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "tests/server/metrics/http_get.h"
+#include "tests/server/http/http_get.h"
 #include "tests/server/metrics/metrics_parser.h"
 #include "tests/server/server_fixture.h"
 

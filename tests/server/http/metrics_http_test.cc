@@ -1,5 +1,5 @@
 // The HTTP side of metrics: its content, and its robustness against hostile requests.
-#include "server/metrics/metrics_http.h"
+#include "server/http/metrics_http.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/metrics/http_listener.h"
-#include "tests/server/metrics/http_get.h"
+#include "server/http/http_listener.h"
+#include "tests/server/http/http_get.h"
 
 namespace dynmesh::server::metrics_http_test {
 namespace {

@@ -6,8 +6,8 @@
 //
 // Its load is bounded, and connections that say nothing delay no others (http_listener.h). Request
 // bodies are not read. Thread-safe.
-#ifndef DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
-#define DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
+#ifndef DYNMESH_SERVER_HTTP_METRICS_HTTP_H_
+#define DYNMESH_SERVER_HTTP_METRICS_HTTP_H_
 
 #include <functional>
 #include <memory>
@@ -45,4 +45,4 @@ class MetricsHttp {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
+#endif  // DYNMESH_SERVER_HTTP_METRICS_HTTP_H_

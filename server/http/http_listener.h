@@ -5,8 +5,8 @@
 // few kilobytes, and a few seconds for all of it. If as many are open as there may be, a new one
 // takes the place of the oldest one that has not sent its request; if all have, of the oldest one
 // that has not read its answer. Thread-safe.
-#ifndef DYNMESH_SERVER_METRICS_HTTP_LISTENER_H_
-#define DYNMESH_SERVER_METRICS_HTTP_LISTENER_H_
+#ifndef DYNMESH_SERVER_HTTP_HTTP_LISTENER_H_
+#define DYNMESH_SERVER_HTTP_HTTP_LISTENER_H_
 
 #include <cstddef>
 #include <functional>
@@ -44,4 +44,4 @@ class HttpListener {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_METRICS_HTTP_LISTENER_H_
+#endif  // DYNMESH_SERVER_HTTP_HTTP_LISTENER_H_

@@ -1,4 +1,4 @@
-#include "server/metrics/http_listener.h"
+#include "server/http/http_listener.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -28,8 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kThreads = 2;
 constexpr std::chrono::seconds kMostTime{5};  // of a connection, without making its answer
-// Until the next try when there is no descriptor for a connection.
-constexpr std::chrono::milliseconds kRetry{50};
 
 enum class State { kReading, kAnswering, kWriting };
 
@@ -200,7 +198,7 @@ class HttpListener::Loop {
     const int socket = accept4(listening, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
       if (errno == EINTR || errno == ECONNABORTED) return true;
-      if (errno != EAGAIN) std::this_thread::sleep_for(kRetry);
+      if (errno != EAGAIN) std::this_thread::sleep_for(kAcceptRetry);
       return false;
     }
     MakeRoom();
