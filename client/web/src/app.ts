@@ -93,8 +93,9 @@ export class App {
   async #open(id: string): Promise<void> {
     const name = `meshes/${id}`;
     try {
-      const { options } = await this.service.getMesh({ mesh: name });
+      const { options, revision } = await this.service.getMesh({ mesh: name });
       if (this.link.mesh !== id) return;
+      this.replica.openedAt = revision;
       this.#options = options;
       this.view.setBox(boxOf(options));
       this.#applyView();

@@ -78,7 +78,8 @@ export class View {
     this.#mesh = mesh;
     this.hovered = -1;
     this.picture.setMesh(mesh, this.#origin());
-    this.meshChanged();
+    this.#meshChanged = true;
+    this.invalidate();
   }
 
   meshChanged(): void {

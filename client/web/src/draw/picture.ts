@@ -63,59 +63,63 @@ function isBorder(lo: number, hi: number): boolean {
 
 type Uniforms = Record<string, IUniform>;
 
-/** Rows of a kind, and the object that draws them. */
+/** A table of rows of a kind, and the object that draws them. */
 class Layer {
-  readonly table = new Table(1);
-  readonly object: Mesh;
-  readonly #geometry = new BufferGeometry();
+  table = new Table(1);
   /** The table has to be filled again. */
-  isNew = true;
-  #isEmpty = true;
+  #isNew = true;
+  #count = 0;
 
   constructor(
-    shader: { vertexShader: string; fragmentShader: string },
-    uniforms: Uniforms,
+    readonly object:
+      | Mesh<BufferGeometry, RawShaderMaterial>
+      | Points<BufferGeometry, RawShaderMaterial>,
     private readonly verticesARow: number,
-    order: number,
-    depth: boolean,
   ) {
-    this.object = new Mesh(
-      this.#geometry,
-      new RawShaderMaterial({
-        ...shader,
-        glslVersion: GLSL3,
-        uniforms: { ...uniforms, rows: { value: this.table.texture } },
-        blending: NoBlending,
-        side: DoubleSide,
-        depthTest: depth,
-        depthWrite: depth,
-      }),
-    );
-    this.object.frustumCulled = false;
-    this.object.renderOrder = order;
-    this.#geometry.setDrawRange(0, 0);
+    object.frustumCulled = false;
+    this.setCount(0);
+  }
+
+  /** Of another mesh, whose rows will all be written. */
+  reset(isSpace: boolean): void {
+    this.table.dispose();
+    this.table = new Table(1);
+    this.#isNew = true;
+    this.setCount(0);
+    const { material } = this.object;
+    material.depthTest = material.depthWrite = isSpace;
+  }
+
+  setCount(rows: number): void {
+    this.#count = rows;
+    this.object.geometry.setDrawRange(0, rows * this.verticesARow);
   }
 
   /** Makes the table as long as the rows; true if all of them have to be written. */
   prepare(rows: Rows): boolean {
-    this.#geometry.setDrawRange(0, rows.length * this.verticesARow);
-    this.#isEmpty = rows.length === 0;
-    const moved = this.table.reserve(rows.corners.length / rows.width);
-    if (moved) (this.object.material as RawShaderMaterial).uniforms.rows.value = this.table.texture;
-    const all = moved || this.isNew;
-    this.isNew = false;
+    this.setCount(rows.length);
+    const all = this.table.reserve(rows.corners.length / rows.width) || this.#isNew;
+    this.#isNew = false;
     return all;
   }
 
   show(isWanted: boolean): void {
-    this.object.visible = isWanted && !this.#isEmpty; // a table without a row has no texture yet
+    this.object.visible = isWanted && this.#count > 0; // a table without a row has no texture yet
+    this.object.material.uniforms.rows.value = this.table.texture;
   }
+}
 
-  dispose(): void {
-    this.table.dispose();
-    this.#geometry.dispose();
-    (this.object.material as RawShaderMaterial).dispose();
-  }
+function shaderMaterial(
+  shader: { vertexShader: string; fragmentShader: string },
+  uniforms: Uniforms,
+): RawShaderMaterial {
+  return new RawShaderMaterial({
+    ...shader,
+    glslVersion: GLSL3,
+    uniforms: { ...uniforms, rows: { value: null } },
+    blending: NoBlending,
+    side: DoubleSide,
+  });
 }
 
 export class Picture {
@@ -149,16 +153,32 @@ export class Picture {
     eye: { value: new Vector3(0, 0, 1) },
   };
   #vertices = new Table(1);
-  #triangles: Layer | undefined;
-  #segments: Layer | undefined;
-  #points: Points | undefined;
+  readonly #triangles: Layer;
+  readonly #segments: Layer;
+  readonly #points: Layer;
   #mesh: SlotMesh | undefined;
   #origin: readonly number[] = [0, 0, 0];
   #verticesAreNew = true;
 
   constructor(canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'default' });
+    this.renderer.autoClear = false;
     this.writer = new TableWriter(this.renderer);
+    const mesh = (shader: typeof shaders.triangles, uniforms: Uniforms): Layer['object'] =>
+      new Mesh(new BufferGeometry(), shaderMaterial(shader, uniforms));
+    const ofWidth = (pixels: number): Uniforms => ({
+      ...this.#uniforms,
+      width: { value: pixels * devicePixelRatio },
+    });
+    this.#triangles = new Layer(mesh(shaders.triangles, this.#uniforms), 3);
+    this.#segments = new Layer(mesh(shaders.segments, ofWidth(2)), 6);
+    const points = new Points(new BufferGeometry(), shaderMaterial(shaders.points, ofWidth(6)));
+    this.#points = new Layer(points, 1);
+    [this.#triangles, this.#segments, this.#points].forEach(({ object }, order) => {
+      object.renderOrder = order;
+      this.#scene.add(object);
+    });
+    this.#warmUp();
   }
 
   resize(width: number, height: number, ratio: number): void {
@@ -170,36 +190,14 @@ export class Picture {
 
   /** Shows another mesh, with positions relative to the origin. */
   setMesh(mesh: SlotMesh | undefined, origin: readonly number[]): void {
-    this.#clear();
+    const isSpace = mesh?.dimension === 3;
+    for (const layer of this.#layers()) layer.reset(isSpace);
+    this.#vertices.dispose();
+    this.#vertices = new Table(1);
+    this.#verticesAreNew = true;
     this.#mesh = mesh;
     this.#origin = origin;
-    this.#verticesAreNew = true;
-    if (mesh === undefined) return;
-    const isSpace = mesh.dimension === 3;
-    const uniforms = this.#uniforms;
-    uniforms.solid.value = isSpace;
-    this.#triangles = new Layer(shaders.triangles, uniforms, 3, 0, isSpace);
-    this.#segments = new Layer(
-      shaders.segments,
-      { ...uniforms, width: { value: 2 * this.renderer.getPixelRatio() } },
-      6,
-      1,
-      isSpace,
-    );
-    this.#points = new Points(
-      new BufferGeometry(),
-      new RawShaderMaterial({
-        ...shaders.points,
-        glslVersion: GLSL3,
-        uniforms: { ...uniforms, width: { value: 6 * this.renderer.getPixelRatio() } },
-        blending: NoBlending,
-        depthTest: isSpace,
-        depthWrite: isSpace,
-      }),
-    );
-    this.#points.frustumCulled = false;
-    this.#points.renderOrder = 2;
-    this.#scene.add(this.#triangles.object, this.#segments.object, this.#points);
+    this.#uniforms.solid.value = isSpace;
   }
 
   /** Uploads what has changed in the mesh. */
@@ -238,22 +236,16 @@ export class Picture {
     uniforms.ramp.value = ramps[look.ramp].flat();
     uniforms.range.value = look.range;
     uniforms.edges.value = look.edges;
-    this.#triangles?.show(true);
-    this.#segments?.show(look.segments);
-    if (this.#points) this.#points.visible = look.points;
+    this.#triangles.show(true);
+    this.#segments.show(look.segments);
+    this.#points.show(look.points);
     // In sRGB as they are: the renderer would take a Color for a linear one.
     this.#clearTo(theme.background);
     this.renderer.render(this.#scene, this.#camera);
   }
 
-  dispose(): void {
-    this.#clear();
-    this.renderer.dispose();
-  }
-
   #clearTo(colour: Colour): void {
     const gl = this.renderer.getContext();
-    this.renderer.autoClear = false;
     this.renderer.setRenderTarget(null);
     gl.clearColor(colour[0], colour[1], colour[2], 1);
     this.renderer.state.buffers.depth.setMask(true);
@@ -264,7 +256,7 @@ export class Picture {
     const { vertices } = mesh;
     const moved = this.#vertices.reserve(2 * vertices.isLive.length);
     this.#uniforms.vertices.value = this.#vertices.texture;
-    this.#points?.geometry.setDrawRange(0, vertices.length);
+    this.#points.setCount(vertices.length);
     this.writer.begin(this.#vertices);
     if (moved || this.#verticesAreNew) {
       for (let slot = 0; slot < vertices.length; ++slot) this.#writeVertex(mesh, slot);
@@ -275,8 +267,7 @@ export class Picture {
     this.#verticesAreNew = false;
   }
 
-  #updateLayer(layer: Layer | undefined, rows: Rows, write: (row: number) => void): void {
-    if (layer === undefined) return;
+  #updateLayer(layer: Layer, rows: Rows, write: (row: number) => void): void {
     const all = layer.prepare(rows);
     this.writer.begin(layer.table);
     if (all) for (let row = 0; row < rows.length; ++row) write(row);
@@ -334,17 +325,26 @@ export class Picture {
     );
   }
 
-  #clear(): void {
-    this.#scene.clear();
-    this.#triangles?.dispose();
-    this.#segments?.dispose();
-    if (this.#points) {
-      this.#points.geometry.dispose();
-      (this.#points.material as RawShaderMaterial).dispose();
+  #layers(): Layer[] {
+    return [this.#triangles, this.#segments, this.#points];
+  }
+
+  /** Draws a row of zeros of each kind, which is nothing: shaders are ready when a mesh comes. */
+  #warmUp(): void {
+    this.#uniforms.ramp.value = ramps.cividis.flat();
+    this.#uniforms.vertices.value = this.#vertices.texture;
+    for (const layer of this.#layers()) {
+      this.writer.begin(layer.table);
+      this.writer.write(0, 0, 0, 0, 0);
+      this.writer.end();
+      layer.setCount(1);
+      layer.show(true);
     }
-    this.#triangles = this.#segments = this.#points = undefined;
-    this.#vertices.dispose();
-    this.#vertices = new Table(1);
+    this.writer.begin(this.#vertices);
+    this.writer.write(0, 0, 0, 0, 0);
+    this.writer.end();
+    this.renderer.render(this.#scene, this.#camera);
+    this.setMesh(undefined, this.#origin);
   }
 }
 

@@ -57,6 +57,7 @@ export class TableWriter {
   #count = 0;
   #target: WebGLRenderTarget | undefined;
 
+  /** The renderer must not clear by itself (`autoClear`). */
   constructor(private readonly renderer: WebGLRenderer) {
     this.#geometry.setAttribute('row', this.#rows);
     this.#geometry.setAttribute('texel', this.#texels);
@@ -104,13 +105,9 @@ export class TableWriter {
       attribute.needsUpdate = true;
     }
     this.#geometry.setDrawRange(0, this.#count);
-    const { renderer } = this;
-    const { autoClear } = renderer;
-    renderer.autoClear = false;
-    renderer.setRenderTarget(this.#target);
-    renderer.render(this.#scene, this.#camera);
-    renderer.setRenderTarget(null);
-    renderer.autoClear = autoClear;
+    this.renderer.setRenderTarget(this.#target);
+    this.renderer.render(this.#scene, this.#camera);
+    this.renderer.setRenderTarget(null);
     this.bytes += 20 * this.#count;
     this.#count = 0;
   }

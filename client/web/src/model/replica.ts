@@ -7,6 +7,9 @@ import { DataLoss, SlotMesh } from './slot_mesh.js';
 
 export type Change = 'nothing' | 'snapshot' | 'diff';
 
+/** The stamp of what a snapshot has: it is not known when that came. */
+const UNCHANGED = 0;
+
 export class Replica {
   /** Undefined before the first whole snapshot. */
   mesh: SlotMesh | undefined;
@@ -15,6 +18,8 @@ export class Replica {
   hash = '';
   /** Diffs applied, each of one revision or, coalesced, of several. */
   diffs = 0;
+  /** What changed up to this revision does not glow: it was so when the page was opened. */
+  openedAt = 0n;
   /** The share of a snapshot that has come, from 0 to 1. */
   loaded = 0;
 
@@ -25,7 +30,7 @@ export class Replica {
   take(event: WatchEvent, stamp: number): Change {
     switch (event.event.case) {
       case 'snapshot':
-        return this.#takeChunk(event.event.value, stamp);
+        return this.#takeChunk(event.event.value);
       case 'diff':
         return this.#takeFragment(event.event.value, stamp);
       case 'progress':
@@ -53,7 +58,7 @@ export class Replica {
     this.hash = '';
   }
 
-  #takeChunk(chunk: SnapshotChunk, stamp: number): Change {
+  #takeChunk(chunk: SnapshotChunk): Change {
     if (chunk.index === 0) {
       const mesh = new SlotMesh(chunk.dimension);
       mesh.reserve({
@@ -68,7 +73,7 @@ export class Replica {
     const loading = this.#loading;
     if (loading?.next !== chunk.index) throw new DataLoss('a chunk of a snapshot is lost');
     ++loading.next;
-    loading.mesh.apply([], [addedByChunk(chunk)], stamp);
+    loading.mesh.apply([], [addedByChunk(chunk)], UNCHANGED);
     this.loaded = loading.mesh.cells.count / Math.max(1, loading.simplices);
     if (chunk.more) return 'nothing';
     this.#loading = undefined;
@@ -88,7 +93,8 @@ export class Replica {
     if (fragment.more) return 'nothing';
     const fragments = this.#fragments;
     this.#fragments = [];
-    mesh.apply(fragments.map(removedBy), fragments.map(addedBy), stamp);
+    const since = fragment.toRevision > this.openedAt ? stamp : UNCHANGED;
+    mesh.apply(fragments.map(removedBy), fragments.map(addedBy), since);
     this.revision = fragment.toRevision;
     ++this.diffs;
     this.#compare(fragment.hash);

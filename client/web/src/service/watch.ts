@@ -20,6 +20,8 @@ export interface Listener {
 
 /** Time for events of one frame, of 16 ms that it has. */
 const BUDGET_MS = 8;
+/** The same while the first mesh comes: there is nothing to draw yet. */
+const LOADING_BUDGET_MS = 60;
 const LONGEST_PAUSE_MS = 2000;
 
 export class Watch {
@@ -103,12 +105,13 @@ export class Watch {
       request.startRevision = this.#replica.revision;
       request.startHash = this.#replica.hash;
     }
+    const budget = (): number => (this.#replica.mesh === undefined ? LOADING_BUDGET_MS : BUDGET_MS);
     let deadline = 0;
     for await (const event of this.#service.watch(request, { signal })) {
       if (signal.aborted) return;
       if (deadline === 0) {
         this.#listener.connection('live', '');
-        deadline = performance.now() + BUDGET_MS;
+        deadline = performance.now() + budget();
       }
       const begin = performance.now();
       const change = this.#replica.take(event, this.#stamp());
@@ -118,7 +121,7 @@ export class Watch {
       if (performance.now() < deadline) continue;
       // The page draws, and what comes meanwhile waits at the server.
       await nextFrame();
-      deadline = performance.now() + BUDGET_MS;
+      deadline = performance.now() + budget();
     }
   }
 
