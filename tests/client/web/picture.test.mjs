@@ -28,7 +28,7 @@ let server;
 let browser;
 
 before(async () => {
-  server = await Server.start();
+  server = await Server.start('--watch-queue=4');
   browser = await Browser.start();
 });
 after(async () => {
