@@ -1,9 +1,11 @@
 import { defineConfig } from 'vitest/config';
+import { licences } from './licences.js';
 
 // The server has the page's files in itself, under these names: they do not change from build to
 // build, and there is no file that a network beyond the server would have to give.
 export default defineConfig({
   base: './',
+  plugins: [licences('node_modules/typescript/LICENSE.txt')],
   build: {
     target: 'es2022',
     assetsInlineLimit: 0,

@@ -1,4 +1,5 @@
-// Makes the folder gen: TypeScript of the service's messages, from the contract in ../../proto.
+// Makes the folder gen: TypeScript of the service's messages, from the contract: the folder proto of the
+// project, or DYNMESH_PROTO.
 //
 // A page has to decode a million ids in a second, and to hash them. As `fixed64` they would become
 // as many BigInts, so in what the page generates from, columns of numbers are `bytes`: a packed

@@ -29,8 +29,8 @@ export class App {
   readonly #title = byId('title', HTMLElement);
   readonly #list: MeshList;
   readonly #controls: Controls;
-  readonly #figures = element('div');
-  readonly #place = element('div');
+  readonly #figures = element('section', { hidden: true });
+  readonly #place = element('section', { hidden: true });
   #theme: ThemeName = 'light';
   #options: MeshOptions | undefined;
   /** The mesh that the view has. */
@@ -44,12 +44,7 @@ export class App {
     dark.addEventListener('change', () => this.#setTheme(dark.matches ? 'dark' : 'light'));
     const panel = byId('panel', HTMLElement);
     this.#controls = new Controls(panel, (choice) => this.#choose(choice));
-    panel.append(
-      element('h2', {}, 'Mesh'),
-      this.#figures,
-      element('h2', {}, 'Triangle'),
-      this.#place,
-    );
+    panel.append(this.#figures, this.#place);
     this.view = new View(byId('picture', HTMLCanvasElement), this.#look(), {
       hovered: (row) => {
         if (this.#selected < 0) this.#showTriangle(row);
@@ -60,8 +55,13 @@ export class App {
       },
       settled: () => this.#rememberView(),
     });
-    this.#list = new MeshList(this.service, byId('meshes', HTMLElement), (error) => {
-      this.#failed(error);
+    this.#list = new MeshList(this.service, byId('meshes', HTMLElement), {
+      failed: (error) => this.#failed(error),
+      only: (mesh) => {
+        if (this.link.mesh !== '') return;
+        history.replaceState(null, '', writeLink({ ...this.link, mesh }));
+        void this.#follow(readLink(location.hash));
+      },
     });
     this.#setTheme(dark.matches ? 'dark' : 'light');
     addEventListener('hashchange', () => void this.#follow(readLink(location.hash)));
@@ -168,12 +168,11 @@ export class App {
   #showFigures(): void {
     this.#figuresAreOld = false;
     const { mesh, revision, hash } = this.replica;
-    if (mesh === undefined) {
-      this.#figures.replaceChildren();
-      return;
-    }
+    this.#figures.hidden = mesh === undefined;
+    if (mesh === undefined) return;
     this.#showStatus('');
     this.#figures.replaceChildren(
+      element('h2', {}, 'Mesh'),
       definitions([
         ['revision', revision.toString()],
         ...meshDetails(mesh),
@@ -186,9 +185,8 @@ export class App {
   #showTriangle(row: number): void {
     const { mesh } = this.replica;
     const rows = mesh?.dimension === 2 ? triangleDetails(mesh, row) : [];
-    this.#place.replaceChildren(
-      rows.length > 0 ? definitions(rows) : element('p', {}, 'Point at the picture.'),
-    );
+    this.#place.hidden = rows.length === 0;
+    this.#place.replaceChildren(element('h2', {}, 'Triangle'), definitions(rows));
   }
 
   #choose(choice: Partial<Link>): void {

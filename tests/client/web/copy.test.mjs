@@ -1,10 +1,10 @@
 // The page's copy is the server's mesh: after random edits, a crash of the server, and in three pages.
-import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { atRevision, Browser, figures } from "./support/browser.mjs";
-import { Editor } from "./support/edits.mjs";
-import { Random } from "./support/random.mjs";
-import { Server } from "./support/server.mjs";
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { atRevision, Browser, figures } from './support/browser.mjs';
+import { Editor } from './support/edits.mjs';
+import { Random } from './support/random.mjs';
+import { Server } from './support/server.mjs';
 
 const EDITS = Number(process.env.DYNMESH_WEB_EDITS ?? 300);
 
@@ -21,7 +21,7 @@ after(async () => {
 });
 
 async function expectCopy(page, mesh) {
-  const { revision, hash } = await server.call("GetMesh", { mesh });
+  const { revision, hash } = await server.call('GetMesh', { mesh });
   const copy = await atRevision(page, Number(revision ?? 0));
   assert.equal(copy.revision, Number(revision ?? 0));
   assert.equal(copy.hash, hash);
@@ -57,15 +57,14 @@ for (const dimension of [2, 3]) {
       if (next === undefined) ++refused;
       else revision = next;
       if (i === Math.floor(edits / 2)) await server.restart(200);
-      if (i % Math.ceil(edits / 10) === 0)
-        for (const page of pages) await expectCopy(page, mesh);
+      if (i % Math.ceil(edits / 10) === 0) for (const page of pages) await expectCopy(page, mesh);
     }
     for (const page of pages) await expectCopy(page, mesh);
     console.log(
       `${edits} batches, ${refused} refused, revision ${revision}`,
       JSON.stringify(await figures(pages[0])),
     );
-    assert.ok(revision > edits / 2, "most batches are applied");
+    assert.ok(revision > edits / 2, 'most batches are applied');
     for (const page of pages) await page.close();
   });
 }

@@ -1,9 +1,9 @@
 // The page itself: no fault that axe finds, nothing from another server, no exception of its policy.
-import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { atRevision, Browser } from "./support/browser.mjs";
-import { axeSource } from "./support/packages.mjs";
-import { Server } from "./support/server.mjs";
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { atRevision, Browser } from './support/browser.mjs';
+import { axeSource } from './support/packages.mjs';
+import { Server } from './support/server.mjs';
 
 let server;
 let browser;
@@ -11,7 +11,7 @@ let browser;
 before(async () => {
   server = await Server.start();
   browser = await Browser.start();
-  await server.create("plate", {
+  await server.create('plate', {
     box: { lo: { x: 0, y: 0 }, hi: { x: 1, y: 1 } },
   });
 });
@@ -20,32 +20,28 @@ after(async () => {
   await server?.stop();
 });
 
-for (const scheme of ["light", "dark"]) {
+for (const scheme of ['light', 'dark']) {
   test(`axe finds no serious fault in the ${scheme} page`, async () => {
-    const page = await browser.open("about:blank");
-    await page.emulateMediaFeatures([
-      { name: "prefers-color-scheme", value: scheme },
-    ]);
+    const page = await browser.open('about:blank');
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
     await page.goto(`${server.url}#mesh=plate&fill=quality`);
     await atRevision(page, 0);
     await page.evaluate(axeSource); // by the debugger, which the page's policy does not bind
     const { violations, passes } = await page.evaluate(() => window.axe.run());
     const serious = violations
-      .filter(({ impact }) => impact === "serious" || impact === "critical")
-      .map(
-        ({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(" ")}`,
-      );
+      .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+      .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(' ')}`);
     assert.deepEqual(serious, []);
     assert.ok(passes.length > 10);
     await page.close();
   });
 }
 
-test("everything comes from the server", async () => {
+test('everything comes from the server', async () => {
   const page = await browser.open(`${server.url}#mesh=plate`);
   await atRevision(page, 0);
   const others = page.requested.filter(
-    (url) => !url.startsWith(server.url) && !url.startsWith("data:"),
+    (url) => !url.startsWith(server.url) && !url.startsWith('data:'),
   );
   assert.deepEqual(others, []);
   assert.ok(page.requested.length > 4);
@@ -53,27 +49,22 @@ test("everything comes from the server", async () => {
   await page.close();
 });
 
-test("a script or a style in the page is refused", async () => {
+test('a script or a style in the page is refused', async () => {
   const page = await browser.open(server.url);
   const ran = await page.evaluate(() => {
-    const script = document.createElement("script");
-    script.textContent = "window.ran = true";
+    const script = document.createElement('script');
+    script.textContent = 'window.ran = true';
     document.body.append(script);
     return window.ran === true;
   });
   assert.equal(ran, false);
-  assert.ok(
-    page.problems.some((text) => text.includes("Content Security Policy")),
-  );
+  assert.ok(page.problems.some((text) => text.includes('Content Security Policy')));
   await page.close();
 });
 
-test("a mesh that does not exist is named, with what the server says", async () => {
+test('a mesh that does not exist is named, with what the server says', async () => {
   const page = await browser.open(`${server.url}#mesh=none`);
-  await page.waitForFunction(() => !document.getElementById("notice").hidden);
-  assert.match(
-    await page.$eval("#notice", (notice) => notice.textContent),
-    /none/,
-  );
+  await page.waitForFunction(() => !document.getElementById('notice').hidden);
+  assert.match(await page.$eval('#notice', (notice) => notice.textContent), /none/);
   await page.close();
 });

@@ -14,7 +14,11 @@ export class MeshList {
   constructor(
     private readonly service: Service,
     private readonly parent: HTMLElement,
-    private readonly failed: (error: unknown) => void,
+    private readonly listener: {
+      failed(error: unknown): void;
+      /** The server has one mesh alone. */
+      only(mesh: string): void;
+    },
   ) {
     setInterval(() => {
       if (!document.hidden) void this.refresh();
@@ -36,18 +40,19 @@ export class MeshList {
           if (mesh) this.#stats.set(name, mesh);
         }),
       );
+      if (meshes.length === 1) this.listener.only(idOf(meshes[0].name));
       this.#show(
         meshes.map(({ name, revision }) => ({ name, revision })),
         nextPageToken !== '',
       );
     } catch (error) {
-      this.failed(error);
+      this.listener.failed(error);
     }
   }
 
   #show(meshes: readonly { name: string; revision: bigint }[], hasMore: boolean): void {
     const rows = meshes.map(({ name, revision }) => {
-      const id = name.replace(/^meshes\//, '');
+      const id = idOf(name);
       const link = element('a', { href: `#${new URLSearchParams({ mesh: id }).toString()}` }, id);
       if (id === this.#current) link.setAttribute('aria-current', 'page');
       link.append(element('small', {}, figuresOf(revision, this.#stats.get(name))));
@@ -65,6 +70,10 @@ export class MeshList {
       if (link.getAttribute('href') === focused) link.focus();
     }
   }
+}
+
+function idOf(name: string): string {
+  return name.replace(/^meshes\//, '');
 }
 
 function figuresOf(revision: bigint, stats: MeshStats | undefined): string {

@@ -1,30 +1,29 @@
 // A headless Chromium, and pages in it that fail the test if something goes wrong in them.
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { puppeteer } from "./packages.mjs";
+import { existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { puppeteer } from './packages.mjs';
 
-const PROGRAM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const PROGRAM = process.env.CHROMIUM ?? '/usr/bin/chromium';
 
 export class Browser {
-  #folder = mkdtempSync(join(tmpdir(), "dynmesh-chromium-"));
+  #folder = mkdtempSync(join(tmpdir(), 'dynmesh-chromium-'));
   #browser;
 
   static async start() {
-    if (!existsSync(PROGRAM))
-      throw new Error(`there is no ${PROGRAM}: install chromium`);
+    if (!existsSync(PROGRAM)) throw new Error(`there is no ${PROGRAM}: install chromium`);
     const result = new Browser();
     result.#browser = await puppeteer.launch({
       executablePath: PROGRAM,
       userDataDir: result.#folder,
       args: [
-        "--headless",
-        "--no-sandbox",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-        "--disable-dev-shm-usage",
-        "--enable-precise-memory-info",
-        "--js-flags=--expose-gc",
+        '--headless',
+        '--no-sandbox',
+        '--use-angle=swiftshader',
+        '--enable-unsafe-swiftshader',
+        '--disable-dev-shm-usage',
+        '--enable-precise-memory-info',
+        '--js-flags=--expose-gc',
       ],
     });
     return result;
@@ -32,21 +31,19 @@ export class Browser {
 
   /** A page at this address; `problems` collects what its console and policy complain of. */
   async open(url, size = { width: 1000, height: 700 }) {
-    const page = await this.#browser.newPage({ type: "window" }); // a tab behind others is not seen
+    const page = await this.#browser.newPage({ type: 'window' }); // a tab behind others is not seen
     await page.setViewport(size);
     page.problems = [];
     page.requested = [];
-    page.on("pageerror", (error) =>
-      page.problems.push(`error: ${error.stack ?? error}`),
-    );
-    page.on("console", (message) => {
+    page.on('pageerror', (error) => page.problems.push(`error: ${error.stack ?? error}`));
+    page.on('console', (message) => {
       // A lost connection is reported by the browser itself, too.
       const isLost = /Failed to load resource|net::ERR/.test(message.text());
-      if (["error", "warn"].includes(message.type()) && !isLost) {
+      if (['error', 'warn'].includes(message.type()) && !isLost) {
         page.problems.push(`${message.type()}: ${message.text()}`);
       }
     });
-    page.on("request", (request) => page.requested.push(request.url()));
+    page.on('request', (request) => page.requested.push(request.url()));
     await page.goto(url);
     return page;
   }
@@ -62,20 +59,17 @@ export async function atRevision(page, revision, timeout = 20000) {
   try {
     await page.waitForFunction(
       (wanted) =>
-        window.__dynmesh?.connection === "live" &&
-        window.__dynmesh.hash !== "" &&
+        window.__dynmesh?.connection === 'live' &&
+        window.__dynmesh.hash !== '' &&
         window.__dynmesh.revision >= wanted,
       { timeout, polling: 20 },
       revision,
     );
   } catch (error) {
     const state = await figures(page);
-    throw new Error(
-      `no revision ${revision}: ${JSON.stringify(state)} ${page.problems}`,
-      {
-        cause: error,
-      },
-    );
+    throw new Error(`no revision ${revision}: ${JSON.stringify(state)} ${page.problems}`, {
+      cause: error,
+    });
   }
   return figures(page);
 }

@@ -20,13 +20,7 @@ export class Editor {
       this.#kinds = kinds;
       return revision;
     } catch (error) {
-      if (
-        ![
-          "failed_precondition",
-          "invalid_argument",
-          "resource_exhausted",
-        ].includes(error.code)
-      ) {
+      if (!['failed_precondition', 'invalid_argument', 'resource_exhausted'].includes(error.code)) {
         throw error;
       }
       return undefined;
@@ -35,23 +29,18 @@ export class Editor {
 
   #batch(kinds) {
     const { random } = this;
-    const points = this.#ids(kinds, "point");
+    const points = this.#ids(kinds, 'point');
     const what = random.below(100);
     if (what < 2 || kinds.size > 120) return this.#removeAll(kinds);
     if (what < 30) return [this.#add(kinds)];
-    if (what < 50)
-      return Array.from({ length: 2 + random.below(6) }, () =>
-        this.#add(kinds),
-      );
+    if (what < 50) return Array.from({ length: 2 + random.below(6) }, () => this.#add(kinds));
     if (what < 75 && points.length > 0) {
       return [{ move: { id: `${random.pick(points)}`, to: this.#place() } }];
     }
     if (what < 85) return this.#removeOne(kinds);
     if (what < 93) return this.#polygon(kinds);
     if (what < 96) return this.#size(kinds);
-    return this.dimension === 2
-      ? this.#segment(kinds, points)
-      : [this.#add(kinds)];
+    return this.dimension === 2 ? this.#segment(kinds, points) : [this.#add(kinds)];
   }
 
   #ids(kinds, kind) {
@@ -65,7 +54,7 @@ export class Editor {
 
   #add(kinds, point = this.#place()) {
     const id = this.#next++;
-    kinds.set(id, "point");
+    kinds.set(id, 'point');
     return { add: { id: `${id}`, point } };
   }
 
@@ -99,25 +88,22 @@ export class Editor {
     }));
     const added = corners.map((corner) => this.#add(kinds, corner));
     const id = this.#next++;
-    kinds.set(id, "polygon");
+    kinds.set(id, 'polygon');
     const points = added.map(({ add }) => add.id);
-    return [
-      ...added,
-      { add: { id: `${id}`, polygon: { rings: [{ points }] } } },
-    ];
+    return [...added, { add: { id: `${id}`, polygon: { rings: [{ points }] } } }];
   }
 
   #segment(kinds, points) {
     if (points.length < 2) return [];
     const id = this.#next++;
-    kinds.set(id, "segment");
+    kinds.set(id, 'segment');
     const [p, q] = [this.random.pick(points), this.random.pick(points)];
     return [{ add: { id: `${id}`, segment: { p: `${p}`, q: `${q}` } } }];
   }
 
   #size(kinds) {
     const id = this.#next++;
-    kinds.set(id, "size");
+    kinds.set(id, 'size');
     const target = this.dimension === 2 ? 0.03 : 0.2;
     const disc = { centre: this.#place(), radius: 0.05 };
     return [{ add: { id: `${id}`, size: { disc, target } } }];

@@ -4,9 +4,7 @@ export class Random {
   #state;
 
   constructor() {
-    const seed = Number(
-      process.env.DYNMESH_TEST_SEED ?? Math.floor(Math.random() * 1e9),
-    );
+    const seed = Number(process.env.DYNMESH_TEST_SEED ?? Math.floor(Math.random() * 1e9));
     console.log(`DYNMESH_TEST_SEED=${seed}`);
     this.#state = seed >>> 0;
   }
