@@ -1,21 +1,26 @@
 // The page: which mesh is shown, its copy, its watch, and the parts that show them.
 import { Code, ConnectError } from '@connectrpc/connect';
 import type { MeshOptions } from '../gen/dynmesh/v1/mesh_pb.js';
+import type { Place } from './draw/camera.js';
 import { colourAt, mixed, ramps, themes, type Colour, type ThemeName } from './draw/palette.js';
 import { fills, type Look } from './draw/picture.js';
 import { Replica } from './model/replica.js';
+import { placesOf } from './model/picking.js';
 import type { SlotMesh } from './model/slot_mesh.js';
 import { connect, setToken, token, type Service } from './service/client.js';
+import { Editor, type Refusal } from './service/editor.js';
 import { messageOf, Watch, type Connection } from './service/watch.js';
 import { Controls } from './ui/controls.js';
 import { save, svgOf } from './ui/download.js';
 import { keyHelp, listenTo, type Keys } from './ui/keys.js';
+import { Overlay } from './ui/overlay.js';
 import { Statistics } from './ui/statistics.js';
 import { Timeline } from './ui/timeline.js';
 import { meshDetails, triangleDetails } from './ui/details.js';
 import { byId, definitions, element } from './ui/dom.js';
 import { readLink, writeLink, type Link } from './ui/link.js';
 import { MeshList } from './ui/mesh_list.js';
+import { Tools } from './ui/tools.js';
 import { View, type Box } from './view.js';
 
 const FADE_SECONDS = 3;
@@ -36,6 +41,11 @@ export class App {
   readonly #figures = element('section', { hidden: true });
   readonly #place = element('section', { hidden: true });
   readonly #timeline: Timeline;
+  readonly #tools: Tools;
+  readonly #overlay: Overlay;
+  #editor: Editor | undefined;
+  /** Where the last edit was. */
+  #editedAt: Place | undefined;
   readonly #statistics: Statistics;
   #theme: ThemeName = 'light';
   isPaused = false;
@@ -51,6 +61,17 @@ export class App {
     dark.addEventListener('change', () => this.#setTheme(dark.matches ? 'dark' : 'light'));
     const panel = byId('panel', HTMLElement);
     this.#controls = new Controls(panel, (choice) => this.#choose(choice));
+    this.#overlay = new Overlay(byId('frame', HTMLElement));
+    this.#tools = new Tools(panel, {
+      drafted: (draft) => {
+        this.#overlay.draft = draft;
+        this.#overlay.draw(this.view.plane);
+      },
+      editedAt: (place) => {
+        this.#editedAt = place;
+        this.#overlay.marks = [];
+      },
+    });
     panel.append(this.#figures, this.#place);
     this.#statistics = new Statistics(panel, (name, share) => this.#histogramColour(name, share));
     this.#timeline = new Timeline(byId('timeline', HTMLElement), {
@@ -61,10 +82,15 @@ export class App {
       hovered: (row) => {
         if (this.#selected < 0) this.#showTriangle(row);
       },
-      clicked: (row) => {
+      clicked: (row, place) => {
         this.#selected = row;
         this.#showTriangle(row);
+        this.#tools.click(place, this.view.plane.scale);
       },
+      drawn: () => this.#overlay.draw(this.view.plane),
+      grabbed: (place) => this.#tools.down(place, this.view.plane.scale),
+      dragged: (place) => this.#tools.drag(place),
+      dropped: () => this.#tools.up(),
       settled: () => this.#rememberView(),
     });
     this.#list = new MeshList(this.service, byId('meshes', HTMLElement), {
@@ -99,6 +125,7 @@ export class App {
     this.#shown = undefined;
     this.#selected = -1;
     this.view.setMesh(undefined);
+    this.#tools.setMesh(undefined, undefined);
     this.#showFigures();
     this.#title.textContent = link.mesh === '' ? 'No mesh chosen' : link.mesh;
     if (link.mesh !== '') await this.#open(link.mesh);
@@ -119,6 +146,13 @@ export class App {
       this.#failed(error);
       return;
     }
+    this.#editor = new Editor(this.service, name, {
+      applied: () => {
+        this.#notify('');
+        this.#tools.update();
+      },
+      refused: (refusal) => this.#refused(refusal),
+    });
     const { replica } = this;
     this.watch = new Watch(
       this.service,
@@ -166,6 +200,7 @@ export class App {
       this.#shown = replica.mesh;
       this.#selected = -1;
       this.view.setMesh(replica.mesh);
+      this.#tools.setMesh(replica.mesh, this.#editor);
     } else {
       this.view.meshChanged();
     }
@@ -300,7 +335,10 @@ export class App {
       s: { does: 'subsegments', run: () => this.#choose({ segments: !this.link.segments }) },
       p: { does: 'input points', run: () => this.#choose({ points: !this.link.points }) },
       t: { does: 'dark or light', run: () => this.#swapTheme() },
-      Escape: { does: 'choose no triangle', run: () => this.#deselect() },
+      u: { does: 'undo', run: () => this.#tools.undo() },
+      r: { does: 'redo', run: () => this.#tools.redo() },
+      Enter: { does: 'close the polygon', run: () => this.#tools.finish() },
+      Escape: { does: 'choose nothing, draw nothing', run: () => this.#deselect() },
     };
     fills.forEach((fill, i) => {
       keys[String(i + 1)] = { does: `fill by ${fill}`, run: () => this.#choose({ fill }) };
@@ -328,6 +366,9 @@ export class App {
   }
 
   #deselect(): void {
+    this.#overlay.marks = [];
+    this.#tools.cancel();
+    this.#notify('');
     this.#selected = -1;
     this.#showTriangle(this.view.hovered);
   }
@@ -410,6 +451,16 @@ export class App {
       void this.#follow(this.link);
     });
     nav.prepend(form);
+  }
+
+  /** Shows what the server says at the places of the features that it names. */
+  #refused({ message, features }: Refusal): void {
+    this.#notify(message);
+    const { mesh } = this.replica;
+    if (mesh?.dimension !== 2) return;
+    const named = features.flatMap((id) => placesOf(mesh, id, 32));
+    this.#overlay.marks = this.#editedAt ? [this.#editedAt, ...named] : named;
+    this.view.invalidate();
   }
 
   #notify(text: string): void {
