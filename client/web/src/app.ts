@@ -1,17 +1,26 @@
 // The page: which mesh is shown, its copy, its watch, and the parts that show them.
 import { Code, ConnectError } from '@connectrpc/connect';
 import type { MeshOptions } from '../gen/dynmesh/v1/mesh_pb.js';
-import { themes, type ThemeName } from './draw/palette.js';
-import type { Look } from './draw/picture.js';
+import type { Place } from './draw/camera.js';
+import { colourAt, mixed, ramps, themes, type Colour, type ThemeName } from './draw/palette.js';
+import { fills, type Look } from './draw/picture.js';
 import { Replica } from './model/replica.js';
+import { placesOf } from './model/picking.js';
 import type { SlotMesh } from './model/slot_mesh.js';
 import { connect, setToken, token, type Service } from './service/client.js';
+import { Editor, type Refusal } from './service/editor.js';
 import { messageOf, Watch, type Connection } from './service/watch.js';
 import { Controls } from './ui/controls.js';
+import { save, svgOf } from './ui/download.js';
+import { keyHelp, listenTo, type Keys } from './ui/keys.js';
+import { Overlay } from './ui/overlay.js';
+import { Statistics } from './ui/statistics.js';
+import { Timeline } from './ui/timeline.js';
 import { meshDetails, triangleDetails } from './ui/details.js';
 import { byId, definitions, element } from './ui/dom.js';
 import { readLink, writeLink, type Link } from './ui/link.js';
 import { MeshList } from './ui/mesh_list.js';
+import { Tools } from './ui/tools.js';
 import { View, type Box } from './view.js';
 
 const FADE_SECONDS = 3;
@@ -31,7 +40,15 @@ export class App {
   readonly #controls: Controls;
   readonly #figures = element('section', { hidden: true });
   readonly #place = element('section', { hidden: true });
+  readonly #timeline: Timeline;
+  readonly #tools: Tools;
+  readonly #overlay: Overlay;
+  #editor: Editor | undefined;
+  /** Where the last edit was. */
+  #editedAt: Place | undefined;
+  readonly #statistics: Statistics;
   #theme: ThemeName = 'light';
+  isPaused = false;
   #options: MeshOptions | undefined;
   /** The mesh that the view has. */
   #shown: SlotMesh | undefined;
@@ -44,15 +61,36 @@ export class App {
     dark.addEventListener('change', () => this.#setTheme(dark.matches ? 'dark' : 'light'));
     const panel = byId('panel', HTMLElement);
     this.#controls = new Controls(panel, (choice) => this.#choose(choice));
+    this.#overlay = new Overlay(byId('frame', HTMLElement));
+    this.#tools = new Tools(panel, {
+      drafted: (draft) => {
+        this.#overlay.draft = draft;
+        this.#overlay.draw(this.view.plane);
+      },
+      editedAt: (place) => {
+        this.#editedAt = place;
+        this.#overlay.marks = [];
+      },
+    });
     panel.append(this.#figures, this.#place);
+    this.#statistics = new Statistics(panel, (name, share) => this.#histogramColour(name, share));
+    this.#timeline = new Timeline(byId('timeline', HTMLElement), {
+      pause: (isPaused) => this.#pause(isPaused),
+      move: (steps) => this.#move(steps),
+    });
     this.view = new View(byId('picture', HTMLCanvasElement), this.#look(), {
       hovered: (row) => {
         if (this.#selected < 0) this.#showTriangle(row);
       },
-      clicked: (row) => {
+      clicked: (row, place) => {
         this.#selected = row;
         this.#showTriangle(row);
+        this.#tools.click(place, this.view.plane.scale);
       },
+      drawn: () => this.#overlay.draw(this.view.plane),
+      grabbed: (place) => this.#tools.down(place, this.view.plane.scale),
+      dragged: (place) => this.#tools.drag(place),
+      dropped: () => this.#tools.up(),
       settled: () => this.#rememberView(),
     });
     this.#list = new MeshList(this.service, byId('meshes', HTMLElement), {
@@ -64,6 +102,7 @@ export class App {
       },
     });
     this.#setTheme(dark.matches ? 'dark' : 'light');
+    this.#offerActions();
     addEventListener('hashchange', () => void this.#follow(readLink(location.hash)));
     document.addEventListener('visibilitychange', () => this.#wakeOrSleep());
     void this.#follow(this.link);
@@ -82,9 +121,11 @@ export class App {
     this.watch?.stop();
     this.watch = undefined;
     this.replica = new Replica();
+    this.isPaused = false;
     this.#shown = undefined;
     this.#selected = -1;
     this.view.setMesh(undefined);
+    this.#tools.setMesh(undefined, undefined);
     this.#showFigures();
     this.#title.textContent = link.mesh === '' ? 'No mesh chosen' : link.mesh;
     if (link.mesh !== '') await this.#open(link.mesh);
@@ -105,6 +146,13 @@ export class App {
       this.#failed(error);
       return;
     }
+    this.#editor = new Editor(this.service, name, {
+      applied: () => {
+        this.#notify('');
+        this.#tools.update();
+      },
+      refused: (refusal) => this.#refused(refusal),
+    });
     const { replica } = this;
     this.watch = new Watch(
       this.service,
@@ -122,12 +170,28 @@ export class App {
 
   /** A page that is not seen watches nothing. */
   #wakeOrSleep(): void {
-    if (document.hidden) {
-      this.watch?.stop();
-    } else {
-      this.watch?.start();
-      void this.#list.refresh();
-    }
+    if (document.hidden || this.isPaused) this.watch?.stop();
+    else this.watch?.start();
+    if (!document.hidden) void this.#list.refresh();
+  }
+
+  #pause(isPaused: boolean): void {
+    this.isPaused = isPaused;
+    // Back to the present, from which the watch goes on.
+    if (!isPaused) this.#moveBy(this.replica.history.behind);
+    this.#wakeOrSleep();
+    this.#showFigures();
+  }
+
+  #move(steps: number): void {
+    if (!this.isPaused) this.#pause(true);
+    this.#moveBy(steps);
+  }
+
+  #moveBy(steps: number): void {
+    if (steps === 0 || this.replica.mesh === undefined) return;
+    this.replica.move(steps, this.view.stamp());
+    this.#changed(this.replica);
   }
 
   #changed(replica: Replica): void {
@@ -136,6 +200,7 @@ export class App {
       this.#shown = replica.mesh;
       this.#selected = -1;
       this.view.setMesh(replica.mesh);
+      this.#tools.setMesh(replica.mesh, this.#editor);
     } else {
       this.view.meshChanged();
     }
@@ -159,7 +224,7 @@ export class App {
       connecting: 'connecting',
       live: 'live',
       lost: `connection lost, trying again`,
-      asleep: 'asleep',
+      asleep: this.isPaused ? 'paused' : 'asleep',
       ended: `ended: ${reason}`,
     };
     this.#status.textContent = this.link.mesh === '' ? '' : words[this.connection];
@@ -169,6 +234,9 @@ export class App {
     this.#figuresAreOld = false;
     const { mesh, revision, hash } = this.replica;
     this.#figures.hidden = mesh === undefined;
+    this.#statistics.changed(mesh, this.#bound());
+    const { before, behind } = this.replica.history;
+    this.#timeline.show(revision, before, behind, this.isPaused);
     if (mesh === undefined) return;
     this.#showStatus('');
     this.#figures.replaceChildren(
@@ -243,6 +311,89 @@ export class App {
     return quality > 0 ? quality : Math.SQRT2;
   }
 
+  #histogramColour(name: string, share: number): Colour {
+    const ramp = ramps[this.link.ramp];
+    // The ramp's dark end is the worse one.
+    if (name.includes('angle')) return colourAt(ramp, share);
+    if (name.includes('circumradius')) return colourAt(ramp, 1 - share);
+    return mixed(themes[this.#theme].plain, themes[this.#theme].segment, 0.5);
+  }
+
+  #offerActions(): void {
+    const keys: Keys = {
+      ArrowLeft: { does: 'move left', run: () => this.view.pan(60, 0) },
+      ArrowRight: { does: 'move right', run: () => this.view.pan(-60, 0) },
+      ArrowUp: { does: 'move up', run: () => this.view.pan(0, 60) },
+      ArrowDown: { does: 'move down', run: () => this.view.pan(0, -60) },
+      '+': { does: 'closer', run: () => this.view.zoom(1.25) },
+      '-': { does: 'farther', run: () => this.view.zoom(0.8) },
+      f: { does: 'fit to the window', run: () => this.view.fit() },
+      ' ': { does: 'pause or resume', run: () => this.#pause(!this.isPaused) },
+      '[': { does: 'one revision back', run: () => this.#move(-1) },
+      ']': { does: 'one revision forward', run: () => this.#move(1) },
+      e: { does: 'edges', run: () => this.#choose({ edges: !this.link.edges }) },
+      s: { does: 'subsegments', run: () => this.#choose({ segments: !this.link.segments }) },
+      p: { does: 'input points', run: () => this.#choose({ points: !this.link.points }) },
+      t: { does: 'dark or light', run: () => this.#swapTheme() },
+      u: { does: 'undo', run: () => this.#tools.undo() },
+      r: { does: 'redo', run: () => this.#tools.redo() },
+      Enter: { does: 'close the polygon', run: () => this.#tools.finish() },
+      Escape: { does: 'choose nothing, draw nothing', run: () => this.#deselect() },
+    };
+    fills.forEach((fill, i) => {
+      keys[String(i + 1)] = { does: `fill by ${fill}`, run: () => this.#choose({ fill }) };
+    });
+    const help = keyHelp(keys);
+    keys['?'] = { does: 'these keys', run: () => help.showModal() };
+    listenTo(keys);
+    document.body.append(help);
+    const actions = byId('actions', HTMLElement);
+    for (const [name, run] of [
+      ['Fit', () => this.view.fit()],
+      ['PNG', () => this.#savePng()],
+      ['SVG', () => this.#saveSvg()],
+      ['Dark or light', () => this.#swapTheme()],
+      ['Keys', () => help.showModal()],
+    ] as const) {
+      const button = element('button', { type: 'button' }, name);
+      button.addEventListener('click', run);
+      actions.append(button, ' ');
+    }
+  }
+
+  #swapTheme(): void {
+    this.#setTheme(this.#theme === 'dark' ? 'light' : 'dark');
+  }
+
+  #deselect(): void {
+    this.#overlay.marks = [];
+    this.#tools.cancel();
+    this.#notify('');
+    this.#selected = -1;
+    this.#showTriangle(this.view.hovered);
+  }
+
+  #savePng(): void {
+    this.view.drawNow(); // the canvas keeps its picture until the next task only
+    byId('picture', HTMLCanvasElement).toBlob((blob) => {
+      if (blob !== null) save(`${this.#fileName()}.png`, blob);
+    });
+  }
+
+  #saveSvg(): void {
+    const { mesh } = this.replica;
+    if (mesh?.dimension !== 2) {
+      this.#notify('A picture of vectors is made of meshes in 2D.');
+      return;
+    }
+    const text = svgOf(mesh, this.view.plane, this.#look());
+    save(`${this.#fileName()}.svg`, new Blob([text], { type: 'image/svg+xml' }));
+  }
+
+  #fileName(): string {
+    return `${this.link.mesh}-${this.replica.revision}`;
+  }
+
   #remember(): void {
     history.replaceState(null, '', writeLink(this.link));
   }
@@ -300,6 +451,16 @@ export class App {
       void this.#follow(this.link);
     });
     nav.prepend(form);
+  }
+
+  /** Shows what the server says at the places of the features that it names. */
+  #refused({ message, features }: Refusal): void {
+    this.#notify(message);
+    const { mesh } = this.replica;
+    if (mesh?.dimension !== 2) return;
+    const named = features.flatMap((id) => placesOf(mesh, id, 32));
+    this.#overlay.marks = this.#editedAt ? [this.#editedAt, ...named] : named;
+    this.view.invalidate();
   }
 
   #notify(text: string): void {

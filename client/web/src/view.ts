@@ -19,6 +19,12 @@ export interface ViewListener {
   clicked(row: number, place: Place): void;
   /** The camera stands still again. */
   settled(): void;
+  /** A frame was drawn. */
+  drawn(): void;
+  /** True if something but the camera takes the drag that begins here. */
+  grabbed(place: Place): boolean;
+  dragged(place: Place): void;
+  dropped(): void;
 }
 
 /** Pixels that a pointer may move in a click. */
@@ -43,6 +49,7 @@ export class View {
   readonly #pointers = new Map<number, Pixel>();
   #moved = 0;
   #pointer: Pixel | undefined;
+  #isGrabbed = false;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -94,6 +101,7 @@ export class View {
   }
 
   fit(): void {
+    if (this.plane.width === 1) return; // there is no picture yet
     const { lo, hi } = this.#box;
     this.plane.fit({ lo: { x: lo[0], y: lo[1] }, hi: { x: hi[0], y: hi[1] } });
     const low = new Vector3(lo[0], lo[1], lo[2] ?? 0);
@@ -151,6 +159,7 @@ export class View {
     }
     this.picture.draw(this.#eye(), this.look, this.stamp(), this.hovered);
     ++this.frames;
+    this.listener.drawn();
     if (changed) this.updateMs = performance.now() - begin;
     // One frame more than the glow lasts shows that it is over.
     const last = this.#glowsUntil + 2000 / STAMPS_PER_SECOND;
@@ -197,8 +206,12 @@ export class View {
 
   #down(event: PointerEvent): void {
     this.canvas.setPointerCapture(event.pointerId);
-    if (this.#pointers.size === 0) this.#moved = 0;
-    this.#pointers.set(event.pointerId, this.#pixelOf(event));
+    const pixel = this.#pixelOf(event);
+    if (this.#pointers.size === 0) {
+      this.#moved = 0;
+      this.#isGrabbed = !this.isSpace && this.listener.grabbed(this.plane.placeOf(pixel));
+    }
+    this.#pointers.set(event.pointerId, pixel);
   }
 
   #move(event: PointerEvent): void {
@@ -214,7 +227,9 @@ export class View {
     this.#moved += Math.hypot(dx, dy);
     const [other] = [...this.#pointers].filter(([id]) => id !== event.pointerId);
     this.#pointers.set(event.pointerId, pixel);
-    if ((other as typeof other | undefined) !== undefined) {
+    if (this.#isGrabbed) {
+      if (this.#moved > CLICK) this.listener.dragged(this.plane.placeOf(pixel));
+    } else if ((other as typeof other | undefined) !== undefined) {
       this.#pinch(before, pixel, other[1]);
     } else if (this.isSpace && event.buttons === 1 && !event.shiftKey) {
       this.orbit.turn(dx, dy);
@@ -244,6 +259,11 @@ export class View {
   #up(event: PointerEvent): void {
     this.#pointers.delete(event.pointerId);
     if (this.#pointers.size > 0) return;
+    if (this.#isGrabbed) {
+      this.#isGrabbed = false;
+      this.listener.dropped();
+      return;
+    }
     if (this.#moved > CLICK) {
       this.listener.settled();
       return;

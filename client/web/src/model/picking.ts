@@ -50,3 +50,59 @@ export function nearestCorner(mesh: SlotMesh, row: number, x: number, y: number)
   }
   return best;
 }
+
+const RESERVED = 0xffffffff;
+
+/** The slot of the input point of a 2D mesh that is nearest to the place, within `radius`; or -1. */
+export function inputPointAt(mesh: SlotMesh, x: number, y: number, radius: number): number {
+  const { coordinates, containingDimensions, isLive, owners, length } = mesh.vertices;
+  let best = -1;
+  let least = radius;
+  for (let slot = 0; slot < length; ++slot) {
+    if (containingDimensions[slot] !== 0 || isLive[slot] === 0) continue;
+    if (owners[2 * slot + 1] === RESERVED) continue; // the border
+    const distance = Math.hypot(coordinates[2 * slot] - x, coordinates[2 * slot + 1] - y);
+    if (distance > least) continue;
+    least = distance;
+    best = slot;
+  }
+  return best;
+}
+
+/** An id that no point, segment or polygon of the mesh has. */
+export function freeId(mesh: SlotMesh): bigint {
+  let hi = 0;
+  let lo = 0;
+  for (const { owners, length } of [
+    mesh.vertices,
+    { owners: mesh.subsegments.tags, length: mesh.subsegments.length },
+    { owners: mesh.subfacets.tags, length: mesh.subfacets.length },
+  ]) {
+    for (let i = 0; i < 2 * length; i += 2) {
+      const upper = owners[i + 1];
+      if (upper === RESERVED || upper < hi || (upper === hi && owners[i] <= lo)) continue;
+      hi = upper;
+      lo = owners[i];
+    }
+  }
+  return ((BigInt(hi) << 32n) | BigInt(lo)) + 1n;
+}
+
+/** Places of a feature of a 2D mesh: its vertices and the ends of its subsegments, some at most. */
+export function placesOf(mesh: SlotMesh, id: bigint, most: number): { x: number; y: number }[] {
+  const lo = Number(id & 0xffffffffn);
+  const hi = Number(id >> 32n);
+  const { coordinates, owners, isLive, length } = mesh.vertices;
+  const slots = new Set<number>();
+  for (let slot = 0; slot < length && slots.size < most; ++slot) {
+    if (isLive[slot] !== 0 && owners[2 * slot] === lo && owners[2 * slot + 1] === hi) {
+      slots.add(slot);
+    }
+  }
+  const { corners, tags, length: rows } = mesh.subsegments;
+  for (let row = 0; row < rows && slots.size < most; ++row) {
+    if (corners[2 * row] < 0 || tags[2 * row] !== lo || tags[2 * row + 1] !== hi) continue;
+    slots.add(corners[2 * row]).add(corners[2 * row + 1]);
+  }
+  return [...slots].map((slot) => ({ x: coordinates[2 * slot], y: coordinates[2 * slot + 1] }));
+}

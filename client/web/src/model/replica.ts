@@ -3,6 +3,7 @@
 import type { MeshDiff, SnapshotChunk } from '../../gen/dynmesh/v1/mesh_pb.js';
 import type { WatchEvent } from '../../gen/dynmesh/v1/mesh_service_pb.js';
 import { addedBy, addedByChunk, removedBy } from './difference.js';
+import { History, rowsOf } from './history.js';
 import { DataLoss, SlotMesh } from './slot_mesh.js';
 
 export type Change = 'nothing' | 'snapshot' | 'diff';
@@ -22,6 +23,9 @@ export class Replica {
   openedAt = 0n;
   /** The share of a snapshot that has come, from 0 to 1. */
   loaded = 0;
+
+  /** Diffs up to the present one, and those that were taken back. */
+  readonly history = new History();
 
   #loading: { mesh: SlotMesh; next: number; simplices: number } | undefined;
   #fragments: MeshDiff[] = [];
@@ -44,6 +48,18 @@ export class Replica {
     }
   }
 
+  /** Goes along the kept past: back by -1, forward by 1, or further. */
+  move(steps: number, stamp: number): void {
+    const { mesh, history } = this;
+    if (mesh === undefined) return;
+    for (let i = 0; i < Math.abs(steps); ++i) {
+      const revision = steps < 0 ? history.back(mesh, stamp) : history.forward(mesh, stamp);
+      if (revision === undefined) break;
+      this.revision = revision;
+    }
+    this.hash = mesh.hash();
+  }
+
   /** Drops parts of what a stream that has ended did not finish. */
   endOfStream(): void {
     this.#loading = undefined;
@@ -54,6 +70,7 @@ export class Replica {
   reset(): void {
     this.endOfStream();
     this.mesh = undefined;
+    this.history.clear();
     this.revision = 0n;
     this.hash = '';
   }
@@ -77,6 +94,7 @@ export class Replica {
     this.loaded = loading.mesh.cells.count / Math.max(1, loading.simplices);
     if (chunk.more) return 'nothing';
     this.#loading = undefined;
+    this.history.clear();
     this.mesh = loading.mesh;
     this.revision = chunk.revision;
     this.#compare(chunk.hash);
@@ -94,7 +112,17 @@ export class Replica {
     const fragments = this.#fragments;
     this.#fragments = [];
     const since = fragment.toRevision > this.openedAt ? stamp : UNCHANGED;
-    mesh.apply(fragments.map(removedBy), fragments.map(addedBy), since);
+    const removed = fragments.map(removedBy);
+    const added = fragments.map(addedBy);
+    const gone = rowsOf(mesh, removed);
+    mesh.apply(removed, added, since);
+    this.history.push({
+      from: fragment.fromRevision,
+      to: fragment.toRevision,
+      removed,
+      added,
+      gone,
+    });
     this.revision = fragment.toRevision;
     ++this.diffs;
     this.#compare(fragment.hash);

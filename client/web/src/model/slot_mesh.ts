@@ -75,12 +75,13 @@ export class SlotMesh {
   #removeSimplices({ ids, regions }: Simplices): void {
     const { cells } = this;
     const corners = this.#slotsOf(ids);
+    const hasRegions = regions.length > 0;
     for (let row = 0; row < ids.length / (2 * cells.width); ++row) {
       const found = cells.find(corners, row * cells.width, 0, 0);
       if (found < 0) throw new DataLoss('a diff removes a simplex that is not there');
-      const lo = cells.tags[2 * found];
-      const hi = cells.tags[2 * found + 1];
-      if (regions.length > 0 && (regions[2 * row] !== lo || regions[2 * row + 1] !== hi)) {
+      const lo = hasRegions ? regions[2 * row] : 0;
+      const hi = hasRegions ? regions[2 * row + 1] : 0;
+      if (cells.tags[2 * found] !== lo || cells.tags[2 * found + 1] !== hi) {
         throw new DataLoss('a diff removes a simplex of another region');
       }
       this.#hash.simplex(-1, this.dimension, ids, row, lo, hi);

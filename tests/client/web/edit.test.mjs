@@ -1,0 +1,170 @@
+// Editing with the pointer: what is clicked and dragged is what the server has.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { setTimeout as sleep } from 'node:timers/promises';
+import { atRevision, Browser, figures } from './support/browser.mjs';
+import { Server } from './support/server.mjs';
+
+let server;
+let browser;
+let page;
+const mesh = 'meshes/drawn';
+
+before(async () => {
+  server = await Server.start();
+  browser = await Browser.start();
+  await server.create('drawn', { box: { lo: { x: 0, y: 0 }, hi: { x: 1, y: 1 } } });
+  page = await browser.open(`${server.url}#mesh=drawn`);
+  await atRevision(page, 0);
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+async function choose(tool) {
+  await page.evaluate((value) => {
+    for (const select of document.querySelectorAll('select')) {
+      if (![...select.options].some((option) => option.value === value)) continue;
+      select.value = value;
+      select.dispatchEvent(new Event('change'));
+    }
+  }, tool);
+}
+
+async function pixel(x, y) {
+  return page.evaluate(
+    (x, y) => {
+      const { left, top } = document.getElementById('picture').getBoundingClientRect();
+      const place = window.__dynmesh.pixelOf(x, y);
+      return { x: left + place.x, y: top + place.y };
+    },
+    x,
+    y,
+  );
+}
+
+async function click(x, y) {
+  const at = await pixel(x, y);
+  await page.mouse.click(at.x, at.y);
+}
+
+/** The features that the server has, by kind. */
+async function features() {
+  const chunks = await server.stream('GetFeatures', { mesh });
+  return chunks.flatMap((chunk) => chunk.features ?? []);
+}
+
+/** Waits for that revision in the page, whose hash is the server's then. */
+async function expectRevision(revision) {
+  const copy = await atRevision(page, revision);
+  const { hash, revision: present } = await server.call('GetMesh', { mesh });
+  assert.equal(Number(present), revision);
+  assert.equal(copy.hash, hash);
+  assert.deepEqual(page.problems, []);
+}
+
+function isAt(point, x, y) {
+  return Math.hypot(point.x - x, point.y - y) < 0.005;
+}
+
+test('points are added, dragged, removed; undone and done again', async () => {
+  await choose('points');
+  await click(0.3, 0.3);
+  await expectRevision(1);
+  await click(0.7, 0.3);
+  await expectRevision(2);
+  const two = await features();
+  assert.equal(two.length, 2);
+  assert.ok(isAt(two[0].point, 0.3, 0.3) && isAt(two[1].point, 0.7, 0.3));
+
+  const [from, to] = [await pixel(0.7, 0.3), await pixel(0.6, 0.7)];
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(to.x, to.y, { steps: 12 });
+  await page.mouse.up();
+  await page.waitForFunction(() => window.__dynmesh.revision > 2);
+  // Wherever the drag was joined, its end is the last move.
+  for (let tries = 0; !isAt((await features())[1].point, 0.6, 0.7); ++tries) {
+    assert.ok(tries < 100, JSON.stringify(await features()));
+    await sleep(50);
+  }
+  await sleep(200);
+  const dragged = Number((await server.call('GetMesh', { mesh })).revision);
+  assert.ok(dragged <= 2 + 13);
+  await expectRevision(dragged);
+
+  // The whole drag is undone at once.
+  await page.keyboard.press('u');
+  await expectRevision(dragged + 1);
+  assert.ok(isAt((await features())[1].point, 0.7, 0.3));
+  await page.keyboard.press('u');
+  await expectRevision(dragged + 2);
+  assert.equal((await features()).length, 1);
+  await page.keyboard.press('r');
+  await expectRevision(dragged + 3);
+  await page.keyboard.press('r');
+  await expectRevision(dragged + 4);
+  assert.ok(isAt((await features())[1].point, 0.6, 0.7));
+
+  await choose('remove');
+  await click(0.6, 0.7);
+  await expectRevision(dragged + 5);
+  assert.equal((await features()).length, 1);
+});
+
+test('a change of another client is not undone', async () => {
+  const { revision } = await server.call('GetMesh', { mesh });
+  await server.edit(mesh, [{ add: { id: '99', point: { x: 0.9, y: 0.9 } } }]);
+  await expectRevision(Number(revision) + 1);
+  await page.keyboard.press('u');
+  await page.waitForFunction(() =>
+    document.getElementById('notice').textContent.startsWith('Another client'),
+  );
+  await expectRevision(Number(revision) + 1);
+});
+
+test('segments, a polygon and a size are drawn; what crosses is refused where it does', async () => {
+  let { revision } = await figures(page);
+  await choose('segments');
+  await click(0.1, 0.5);
+  await click(0.4, 0.6);
+  await expectRevision(++revision);
+  await click(0.5, 0.9);
+  await expectRevision(++revision);
+  assert.equal((await features()).filter(({ segment }) => segment).length, 2);
+
+  await page.keyboard.press('Escape');
+  await click(0.2, 0.7);
+  await click(0.3, 0.4);
+  await page.waitForFunction(() => document.querySelectorAll('.mark').length > 0);
+  assert.match(await page.$eval('#notice', ({ textContent }) => textContent), /cross/);
+  await expectRevision(revision);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.$$eval('.mark', ({ length }) => length), 0);
+
+  await choose('polygon');
+  for (const [x, y] of [
+    [0.6, 0.1],
+    [0.9, 0.1],
+    [0.9, 0.25],
+    [0.6, 0.25],
+    [0.6, 0.1],
+  ]) {
+    await click(x, y);
+  }
+  await expectRevision(++revision);
+  const [drawn] = (await features()).filter(({ polygon }) => polygon);
+  assert.equal(drawn.polygon.rings[0].points.length, 4);
+
+  await choose('size');
+  const [from, to] = [await pixel(0.75, 0.5), await pixel(0.85, 0.5)];
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(to.x, to.y, { steps: 3 });
+  await page.mouse.up();
+  await expectRevision(++revision);
+  const [{ size }] = (await features()).filter((feature) => feature.size);
+  assert.ok(Math.abs(size.disc.radius - 0.1) < 0.01);
+  await page.screenshot({ path: process.env.DYNMESH_WEB_SHOT ?? '/dev/null', type: 'png' });
+});
