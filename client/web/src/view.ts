@@ -3,6 +3,7 @@
 import { Matrix4, Vector3 } from 'three';
 import { PlaneCamera, type Pixel, type Place } from './draw/camera.js';
 import { OrbitCamera } from './draw/orbit.js';
+import { CutClient } from './cut/client.js';
 import { Picture, stampNow, type Eye, type Look } from './draw/picture.js';
 import { STAMPS_PER_SECOND } from './draw/shaders.js';
 import { triangleAt } from './model/picking.js';
@@ -34,6 +35,9 @@ export class View {
   readonly plane = new PlaneCamera();
   readonly orbit = new OrbitCamera();
   readonly picture: Picture;
+  readonly #cut: CutClient;
+  /** An axis, and where between the sides of the box the plane is. */
+  #clip: { axis: number; share: number } | undefined;
   hovered = -1;
   /** JavaScript time of the last frame that changed the mesh: uploads and drawing. */
   updateMs = 0;
@@ -57,6 +61,13 @@ export class View {
     private readonly listener: ViewListener,
   ) {
     this.picture = new Picture(canvas);
+    this.#cut = new CutClient(
+      () => this.#origin(),
+      (triangles) => {
+        this.picture.setCut(this.#cut.isOn ? triangles : undefined);
+        this.invalidate();
+      },
+    );
     new ResizeObserver(() => this.#resize()).observe(canvas);
     this.#resize();
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
@@ -86,6 +97,18 @@ export class View {
     this.hovered = -1;
     this.picture.setMesh(mesh, this.#origin());
     this.#meshChanged = true;
+    this.setClip(this.#clip);
+  }
+
+  /** Cuts a 3D mesh open. */
+  setClip(clip: { axis: number; share: number } | undefined): void {
+    this.#clip = clip;
+    const offset = this.#clipOffset();
+    this.#cut.set(
+      this.#mesh,
+      clip && offset !== undefined ? { axis: clip.axis, offset } : undefined,
+    );
+    if (!this.#cut.isOn) this.picture.setCut(undefined);
     this.invalidate();
   }
 
@@ -154,6 +177,7 @@ export class View {
     const changed = this.#meshChanged;
     if (changed) {
       this.#meshChanged = false;
+      this.#cut.changed();
       this.picture.update();
       this.#hoverAgain();
     }
@@ -166,6 +190,14 @@ export class View {
     if (this.#frozenAt === undefined && performance.now() < last) this.invalidate();
   }
 
+  /** Where the plane is; undefined if there is none. */
+  #clipOffset(): number | undefined {
+    if (this.#clip === undefined || !this.isSpace) return undefined;
+    const { axis, share } = this.#clip;
+    const low = this.#box.lo[axis];
+    return low + share * (this.#box.hi[axis] - low);
+  }
+
   #origin(): number[] {
     return [0, 1, 2].map((k) => ((this.#box.lo[k] ?? 0) + (this.#box.hi[k] ?? 0)) / 2);
   }
@@ -173,11 +205,14 @@ export class View {
   #eye(): Eye {
     const [x, y, z] = this.#origin();
     if (this.isSpace) {
+      const offset = this.#clipOffset();
+      const axis = this.#clip?.axis ?? 0;
       const position = this.orbit.position();
       return {
         position: [position.x - x, position.y - y, position.z - z],
         project: this.orbit.projection(),
         direction: this.orbit.direction(),
+        clip: offset === undefined ? undefined : { axis, offset: offset - this.#origin()[axis] },
       };
     }
     const { centre, scale, width, height } = this.plane;
@@ -185,6 +220,7 @@ export class View {
       position: [centre.x - x, centre.y - y, 0],
       project: new Matrix4().makeScale((2 * scale) / width, (2 * scale) / height, 1),
       direction: new Vector3(0, 0, 1),
+      clip: undefined,
     };
   }
 
