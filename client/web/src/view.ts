@@ -30,6 +30,9 @@ export interface ViewListener {
 
 /** Pixels that a pointer may move in a click. */
 const CLICK = 4;
+/** In a mesh of more triangles, the one under the pointer is looked for when the pointer rests. */
+const MANY = 100_000;
+const REST_MS = 80;
 
 export class View {
   readonly plane = new PlaneCamera();
@@ -54,6 +57,7 @@ export class View {
   #moved = 0;
   #pointer: Pixel | undefined;
   #isGrabbed = false;
+  #rest: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -179,7 +183,7 @@ export class View {
       this.#meshChanged = false;
       this.#cut.changed();
       this.picture.update();
-      this.#hoverAgain();
+      this.#hoverSoon();
     }
     this.picture.draw(this.#eye(), this.look, this.stamp(), this.hovered);
     ++this.frames;
@@ -255,7 +259,7 @@ export class View {
     const before = this.#pointers.get(event.pointerId);
     if (before === undefined) {
       this.#pointer = pixel;
-      this.#hoverAgain();
+      this.#hoverSoon();
       return;
     }
     const dx = pixel.x - before.x;
@@ -332,6 +336,13 @@ export class View {
   }
 
   /** The mesh or the pointer may have moved. */
+  #hoverSoon(): void {
+    if (this.#pointer === undefined && this.hovered < 0) return;
+    clearTimeout(this.#rest);
+    if ((this.#mesh?.cells.length ?? 0) <= MANY) this.#hoverAgain();
+    else this.#rest = setTimeout(() => this.#hoverAgain(), REST_MS);
+  }
+
   #hoverAgain(): void {
     const row = this.#pointer === undefined ? -1 : this.#rowAt(this.plane.placeOf(this.#pointer));
     const changed = row !== this.hovered;
