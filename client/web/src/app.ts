@@ -112,6 +112,7 @@ export class App {
     const isOther = link.mesh !== this.link.mesh || this.watch === undefined;
     this.link = link;
     this.view.setLook(this.#look());
+    this.view.setClip(link.clip);
     this.#showControls();
     this.#list.select(link.mesh);
     if (!isOther) {
@@ -260,12 +261,13 @@ export class App {
   #choose(choice: Partial<Link>): void {
     this.link = { ...this.link, ...choice };
     this.view.setLook(this.#look());
+    this.view.setClip(this.link.clip);
     this.#showControls();
     this.#remember();
   }
 
   #showControls(): void {
-    this.#controls.show(this.link, themes[this.#theme], this.#range());
+    this.#controls.show(this.link, themes[this.#theme], this.#range(), this.#isSpace());
   }
 
   #setTheme(name: ThemeName): void {
@@ -293,9 +295,9 @@ export class App {
   #range(): [number, number] {
     switch (this.link.fill) {
       case 'quality':
-        return [this.#bound(), 1 / Math.sqrt(3)];
+        return [this.#bound(), this.#isSpace() ? Math.sqrt(6) / 4 : 1 / Math.sqrt(3)];
       case 'angle':
-        return [0, 60];
+        return [0, this.#isSpace() ? 72 : 60];
       case 'size': {
         const { lo, hi } = boxOf(this.#options);
         const side = Math.log2(Math.max(...hi.map((value, k) => value - lo[k]), 1e-300));
@@ -308,7 +310,11 @@ export class App {
 
   #bound(): number {
     const quality = this.#options?.quality ?? 0;
-    return quality > 0 ? quality : Math.SQRT2;
+    return quality > 0 ? quality : this.#isSpace() ? 2 : Math.SQRT2;
+  }
+
+  #isSpace(): boolean {
+    return this.#options?.dimension === 3;
   }
 
   #histogramColour(name: string, share: number): Colour {

@@ -7,6 +7,8 @@ export interface Hooks {
   readonly connection: string;
   readonly diffs: number;
   readonly frames: number;
+  /** Revisions that the page can go back. */
+  readonly kept: number;
   readonly counts: { vertices: number; cells: number; slots: number };
   readonly bytesUploaded: number;
   /** Of the last diff: applying it, and uploading and drawing it. */
@@ -41,6 +43,9 @@ export function setHooks(app: App): void {
     },
     get frames() {
       return app.view.frames;
+    },
+    get kept() {
+      return app.replica.history.before;
     },
     get counts() {
       const { mesh } = app.replica;

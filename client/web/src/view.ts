@@ -3,6 +3,7 @@
 import { Matrix4, Vector3 } from 'three';
 import { PlaneCamera, type Pixel, type Place } from './draw/camera.js';
 import { OrbitCamera } from './draw/orbit.js';
+import { CutClient } from './cut/client.js';
 import { Picture, stampNow, type Eye, type Look } from './draw/picture.js';
 import { STAMPS_PER_SECOND } from './draw/shaders.js';
 import { triangleAt } from './model/picking.js';
@@ -29,11 +30,17 @@ export interface ViewListener {
 
 /** Pixels that a pointer may move in a click. */
 const CLICK = 4;
+/** In a mesh of more triangles, the one under the pointer is looked for when the pointer rests. */
+const MANY = 100_000;
+const REST_MS = 80;
 
 export class View {
   readonly plane = new PlaneCamera();
   readonly orbit = new OrbitCamera();
   readonly picture: Picture;
+  readonly #cut: CutClient;
+  /** An axis, and where between the sides of the box the plane is. */
+  #clip: { axis: number; share: number } | undefined;
   hovered = -1;
   /** JavaScript time of the last frame that changed the mesh: uploads and drawing. */
   updateMs = 0;
@@ -50,6 +57,7 @@ export class View {
   #moved = 0;
   #pointer: Pixel | undefined;
   #isGrabbed = false;
+  #rest: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -57,6 +65,13 @@ export class View {
     private readonly listener: ViewListener,
   ) {
     this.picture = new Picture(canvas);
+    this.#cut = new CutClient(
+      () => this.#origin(),
+      (triangles) => {
+        this.picture.setCut(this.#cut.isOn ? triangles : undefined);
+        this.invalidate();
+      },
+    );
     new ResizeObserver(() => this.#resize()).observe(canvas);
     this.#resize();
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
@@ -86,6 +101,18 @@ export class View {
     this.hovered = -1;
     this.picture.setMesh(mesh, this.#origin());
     this.#meshChanged = true;
+    this.setClip(this.#clip);
+  }
+
+  /** Cuts a 3D mesh open. */
+  setClip(clip: { axis: number; share: number } | undefined): void {
+    this.#clip = clip;
+    const offset = this.#clipOffset();
+    this.#cut.set(
+      this.#mesh,
+      clip && offset !== undefined ? { axis: clip.axis, offset } : undefined,
+    );
+    if (!this.#cut.isOn) this.picture.setCut(undefined);
     this.invalidate();
   }
 
@@ -154,8 +181,9 @@ export class View {
     const changed = this.#meshChanged;
     if (changed) {
       this.#meshChanged = false;
+      this.#cut.changed();
       this.picture.update();
-      this.#hoverAgain();
+      this.#hoverSoon();
     }
     this.picture.draw(this.#eye(), this.look, this.stamp(), this.hovered);
     ++this.frames;
@@ -166,6 +194,14 @@ export class View {
     if (this.#frozenAt === undefined && performance.now() < last) this.invalidate();
   }
 
+  /** Where the plane is; undefined if there is none. */
+  #clipOffset(): number | undefined {
+    if (this.#clip === undefined || !this.isSpace) return undefined;
+    const { axis, share } = this.#clip;
+    const low = this.#box.lo[axis];
+    return low + share * (this.#box.hi[axis] - low);
+  }
+
   #origin(): number[] {
     return [0, 1, 2].map((k) => ((this.#box.lo[k] ?? 0) + (this.#box.hi[k] ?? 0)) / 2);
   }
@@ -173,11 +209,14 @@ export class View {
   #eye(): Eye {
     const [x, y, z] = this.#origin();
     if (this.isSpace) {
+      const offset = this.#clipOffset();
+      const axis = this.#clip?.axis ?? 0;
       const position = this.orbit.position();
       return {
         position: [position.x - x, position.y - y, position.z - z],
         project: this.orbit.projection(),
         direction: this.orbit.direction(),
+        clip: offset === undefined ? undefined : { axis, offset: offset - this.#origin()[axis] },
       };
     }
     const { centre, scale, width, height } = this.plane;
@@ -185,6 +224,7 @@ export class View {
       position: [centre.x - x, centre.y - y, 0],
       project: new Matrix4().makeScale((2 * scale) / width, (2 * scale) / height, 1),
       direction: new Vector3(0, 0, 1),
+      clip: undefined,
     };
   }
 
@@ -219,7 +259,7 @@ export class View {
     const before = this.#pointers.get(event.pointerId);
     if (before === undefined) {
       this.#pointer = pixel;
-      this.#hoverAgain();
+      this.#hoverSoon();
       return;
     }
     const dx = pixel.x - before.x;
@@ -296,6 +336,13 @@ export class View {
   }
 
   /** The mesh or the pointer may have moved. */
+  #hoverSoon(): void {
+    if (this.#pointer === undefined && this.hovered < 0) return;
+    clearTimeout(this.#rest);
+    if ((this.#mesh?.cells.length ?? 0) <= MANY) this.#hoverAgain();
+    else this.#rest = setTimeout(() => this.#hoverAgain(), REST_MS);
+  }
+
   #hoverAgain(): void {
     const row = this.#pointer === undefined ? -1 : this.#rowAt(this.plane.placeOf(this.#pointer));
     const changed = row !== this.hovered;

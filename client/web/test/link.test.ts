@@ -9,6 +9,7 @@ test('a link leads back to what it was written from', () => {
     edges: false,
     segments: true,
     points: false,
+    clip: { axis: 1, share: 0.25 },
     view: [0.123456789012345, -7e-11, 123456789.5],
   };
   expect(readLink(writeLink(link))).toEqual(link);
@@ -17,7 +18,7 @@ test('a link leads back to what it was written from', () => {
 });
 
 test('what makes no sense is as without it', () => {
-  expect(readLink('#fill=javascript&view=1 NaN 2&hide=all&ramp=x&mesh=a%3Cb%3E')).toEqual({
+  expect(readLink('#fill=javascript&view=1 NaN 2&hide=all&clip=w 2&ramp=x&mesh=a%3Cb%3E')).toEqual({
     ...start,
     mesh: 'a<b>',
   });

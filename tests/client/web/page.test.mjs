@@ -68,3 +68,48 @@ test('a mesh that does not exist is named, with what the server says', async () 
   assert.match(await page.$eval('#notice', (notice) => notice.textContent), /none/);
   await page.close();
 });
+
+test('the page goes back along its past and to the present again, and its link leads to the same', async () => {
+  const mesh = await server.create('past', { box: { lo: { x: 0, y: 0 }, hi: { x: 1, y: 1 } } });
+  const page = await browser.open(`${server.url}#mesh=past`);
+  const hashes = [(await atRevision(page, 0)).hash];
+  for (let i = 1; i <= 4; ++i) {
+    const point = { x: 0.2 * i, y: 0.3 };
+    const revision = await server.edit(mesh, [{ add: { id: `${i}`, point } }]);
+    hashes.push((await atRevision(page, revision)).hash);
+  }
+  const state = () => page.evaluate(() => [window.__dynmesh.revision, window.__dynmesh.hash]);
+  for (let i = 3; i >= 1; --i) {
+    await page.keyboard.press('[');
+    assert.deepEqual(await state(), [i, hashes[i]]);
+  }
+  await page.keyboard.press(']');
+  assert.deepEqual(await state(), [2, hashes[2]]);
+  // What happens meanwhile is seen when the page goes on.
+  const revision = await server.edit(mesh, [{ remove: '1' }]);
+  assert.deepEqual(await state(), [2, hashes[2]]);
+  await page.keyboard.press(' ');
+  assert.equal(
+    (await atRevision(page, revision)).hash,
+    (await server.call('GetMesh', { mesh })).hash,
+  );
+
+  await page.keyboard.press('2');
+  await page.keyboard.press('+');
+  await page.keyboard.press('ArrowLeft');
+  const place = () => page.evaluate(() => window.__dynmesh.pixelOf(0.4, 0.3));
+  const before = await place();
+  const url = page.url();
+  assert.match(url, /fill=quality.*view=/);
+  const other = await browser.open(url);
+  await atRevision(other, revision);
+  await page.bringToFront();
+  const after = await other.evaluate(() => window.__dynmesh.pixelOf(0.4, 0.3));
+  assert.ok(
+    Math.hypot(after.x - before.x, after.y - before.y) < 0.01,
+    JSON.stringify([before, after]),
+  );
+  assert.deepEqual([...page.problems, ...other.problems], []);
+  await page.close();
+  await other.close();
+});

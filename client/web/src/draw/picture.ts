@@ -1,6 +1,7 @@
 // The picture of a mesh: tables of its vertices and of what is drawn (triangles, in 3D subfacets;
 // subsegments), and the passes over them. An update uploads what has changed and nothing else.
 import {
+  BufferAttribute,
   BufferGeometry,
   Camera,
   DoubleSide,
@@ -16,6 +17,7 @@ import {
   WebGLRenderer,
   type IUniform,
 } from 'three';
+import type { CutTriangles } from '../cut/cutter.js';
 import type { Rows } from '../model/rows.js';
 import type { SlotMesh } from '../model/slot_mesh.js';
 import { halves } from './camera.js';
@@ -48,6 +50,8 @@ export interface Eye {
   project: Matrix4;
   /** Direction to the eye, for light. */
   direction: Vector3;
+  /** What is above this plane is left out; from the origin. */
+  clip: { axis: number; offset: number } | undefined;
 }
 
 const STAMP_MASK = (1 << STAMP_BITS) - 1;
@@ -150,12 +154,15 @@ export class Picture {
     range: { value: [0, 1] },
     edges: { value: true },
     solid: { value: false },
+    clipNormal: { value: new Vector3() },
+    clipOffset: { value: 0 },
     eye: { value: new Vector3(0, 0, 1) },
   };
   #vertices = new Table(1);
   readonly #triangles: Layer;
   readonly #segments: Layer;
   readonly #points: Layer;
+  readonly #cut: Mesh<BufferGeometry, RawShaderMaterial>;
   #mesh: SlotMesh | undefined;
   #origin: readonly number[] = [0, 0, 0];
   #verticesAreNew = true;
@@ -178,7 +185,22 @@ export class Picture {
       object.renderOrder = order;
       this.#scene.add(object);
     });
+    this.#cut = new Mesh(new BufferGeometry(), shaderMaterial(shaders.cut, this.#uniforms));
+    this.#cut.frustumCulled = this.#cut.visible = false;
+    this.#scene.add(this.#cut);
     this.#warmUp();
+  }
+
+  /** Shows the cut of a 3D mesh by a plane. */
+  setCut(triangles: CutTriangles | undefined): void {
+    const { geometry } = this.#cut;
+    geometry.dispose();
+    this.#cut.visible = triangles !== undefined && triangles.positions.length > 0;
+    if (triangles === undefined) return;
+    geometry.setAttribute('position', new BufferAttribute(triangles.positions, 3));
+    geometry.setAttribute('figures', new BufferAttribute(triangles.figures, 4));
+    geometry.setAttribute('edges', new BufferAttribute(triangles.edges, 3));
+    geometry.setDrawRange(0, triangles.positions.length / 3);
   }
 
   resize(width: number, height: number, ratio: number): void {
@@ -198,6 +220,7 @@ export class Picture {
     this.#mesh = mesh;
     this.#origin = origin;
     this.#uniforms.solid.value = isSpace;
+    this.setCut(undefined);
   }
 
   /** Uploads what has changed in the mesh. */
@@ -221,6 +244,7 @@ export class Picture {
     lo.set(x[1], y[1], z[1]);
     (uniforms.project.value as Matrix4).copy(eye.project);
     (uniforms.eye.value as Vector3).copy(eye.direction);
+    this.#setClip(eye);
     uniforms.now.value = now & STAMP_MASK;
     uniforms.fadeSeconds.value = look.fadeSeconds;
     uniforms.fill.value = fills.indexOf(look.fill);
@@ -242,6 +266,17 @@ export class Picture {
     // In sRGB as they are: the renderer would take a Color for a linear one.
     this.#clearTo(theme.background);
     this.renderer.render(this.#scene, this.#camera);
+  }
+
+  /** Leaves out the side of the plane that the eye is on, so that the cut is seen. */
+  #setClip({ clip, direction, position }: Eye): void {
+    const normal = this.#uniforms.clipNormal.value as Vector3;
+    normal.set(0, 0, 0);
+    this.#uniforms.clipOffset.value = 0;
+    if (clip === undefined) return;
+    const sign = direction.getComponent(clip.axis) < 0 ? -1 : 1;
+    normal.setComponent(clip.axis, sign);
+    this.#uniforms.clipOffset.value = sign * (clip.offset - position[clip.axis]);
   }
 
   #clearTo(colour: Colour): void {
@@ -296,7 +331,9 @@ export class Picture {
 
   #writeTriangle(rows: Rows, row: number): void {
     const { corners, tags, stamps } = rows;
-    if (!rows.isLive(row)) {
+    // In 3D the facets of the border would hide everything in them.
+    const isHidden = rows.width === 3 && isBorder(tags[2 * row], tags[2 * row + 1]);
+    if (!rows.isLive(row) || isHidden) {
       this.writer.write(row, 0, 0, 0, 0);
       return;
     }

@@ -35,30 +35,38 @@ float freshness(uint stamp) {
   uint age = (now - stamp) & ${(1 << STAMP_BITS) - 1}u;
   return clamp(1.0 - float(age) / (${STAMPS_PER_SECOND}.0 * fadeSeconds), 0.0, 1.0);
 }
+// What is above the plane is not drawn; without a plane the normal is 0.
+uniform vec3 clipNormal;
+uniform float clipOffset; // from the camera
+out float above;
+float aboveClip(vec3 position) { return dot(position, clipNormal) - clipOffset; }
 const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
 `;
 
-export const triangles = {
-  vertexShader: `${common}
-uniform usampler2D rows;
+const colours = `
 uniform int fill;
 uniform vec3 plain;
-uniform vec3 glow;
 uniform vec3 ramp[9];
 uniform vec3 regions[8];
 uniform vec2 range; // of the figure that is the colour
-uniform bool solid;
-uniform vec3 eye; // direction to it
-uniform vec3 hoverColour;
-uniform uint hovered; // row + 1
-flat out vec3 colour;
-out vec3 corner;
 
 vec3 rampAt(float value) {
   float place = clamp(value, 0.0, 1.0) * 8.0;
   int index = min(int(place), 7);
   return mix(ramp[index], ramp[index + 1], place - float(index));
 }
+`;
+
+export const triangles = {
+  vertexShader: `${common}
+uniform usampler2D rows;
+${colours}uniform vec3 glow;
+uniform bool solid;
+uniform vec3 eye; // direction to it
+uniform vec3 hoverColour;
+uniform uint hovered; // row + 1
+flat out vec3 colour;
+out vec3 corner;
 
 // Of a triangle with these edges, from its corners a, b and c in turn.
 float figure(vec3 ab, vec3 bc, vec3 ca) {
@@ -82,7 +90,9 @@ void main() {
     return;
   }
   vec3 a = relative(texel.x - 1u), b = relative(texel.y - 1u), c = relative(texel.z - 1u);
-  gl_Position = project * vec4(which == 0 ? a : which == 1 ? b : c, 1.0);
+  vec3 own = which == 0 ? a : which == 1 ? b : c;
+  gl_Position = project * vec4(own, 1.0);
+  above = aboveClip(own);
   corner = vec3(which == 0, which == 1, which == 2);
   uint region = texel.w >> ${STAMP_BITS}u;
   vec3 base = plain;
@@ -104,8 +114,10 @@ uniform vec3 line;
 uniform bool edges;
 flat in vec3 colour;
 in vec3 corner;
+in float above;
 out vec4 pixel;
 void main() {
+  if (above > 0.0) discard;
   float edge = 0.0;
   if (edges) {
     vec3 step = fwidth(corner);
@@ -135,14 +147,16 @@ void main() {
     gl_Position = NOWHERE;
     return;
   }
-  vec4 p = project * vec4(relative(texel.x - 1u), 1.0);
-  vec4 q = project * vec4(relative(texel.y - 1u), 1.0);
+  vec3 from = relative(texel.x - 1u), to = relative(texel.y - 1u);
+  vec4 p = project * vec4(from, 1.0);
+  vec4 q = project * vec4(to, 1.0);
   // Two triangles along the segment, of a width in pixels.
   bool atEnd = which == 1 || which == 2 || which == 4;
   float side = which == 0 || which == 1 || which == 3 ? 1.0 : -1.0;
   vec2 along = (q.xy / q.w - p.xy / p.w) * size;
   vec2 across = length(along) > 0.0 ? normalize(vec2(-along.y, along.x)) : vec2(0.0);
   vec4 end = atEnd ? q : p;
+  above = aboveClip(atEnd ? to : from);
   end.xy += across * side * width / size * end.w;
   end.z -= 1e-5 * end.w;
   gl_Position = end;
@@ -152,8 +166,12 @@ void main() {
   fragmentShader: `
 precision highp float;
 flat in vec3 colour;
+in float above;
 out vec4 pixel;
-void main() { pixel = vec4(colour, 1.0); }`,
+void main() {
+  if (above > 0.0) discard;
+  pixel = vec4(colour, 1.0);
+}`,
 };
 
 export const points = {
@@ -169,15 +187,42 @@ void main() {
     gl_Position = NOWHERE;
     return;
   }
-  gl_Position = project * vec4(relative(vertex), 1.0);
+  vec3 own = relative(vertex);
+  gl_Position = project * vec4(own, 1.0);
+  above = aboveClip(own);
   gl_Position.z -= 2e-5 * gl_Position.w;
 }`,
   fragmentShader: `
 precision highp float;
 flat in vec3 colour;
+in float above;
 out vec4 pixel;
 void main() {
-  if (length(gl_PointCoord - 0.5) > 0.5) discard;
+  if (above > 0.0 || length(gl_PointCoord - 0.5) > 0.5) discard;
   pixel = vec4(colour, 1.0);
 }`,
+};
+
+/** Of a cut through tetrahedra (cut/cutter.ts), whose triangles are attributes. */
+export const cut = {
+  vertexShader: `${common}${colours}
+in vec3 position;
+in vec4 figures;
+in vec3 edges;
+flat out vec3 colour;
+out vec3 corner;
+void main() {
+  gl_Position = project * vec4((position - cameraHi) - cameraLo, 1.0);
+  above = 0.0;
+  corner = edges;
+  colour = plain * 0.92;
+  int region = int(figures.w);
+  if (fill == 4) {
+    if (region != 0) colour = regions[(region - 1) % 8];
+  } else if (fill != 0) {
+    float figure = fill == 1 ? figures.x : fill == 2 ? figures.y : figures.z;
+    colour = rampAt((figure - range.x) / (range.y - range.x));
+  }
+}`,
+  fragmentShader: triangles.fragmentShader,
 };

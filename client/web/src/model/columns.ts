@@ -1,17 +1,24 @@
 // Columns of numbers, from the bytes of packed fields. A 64-bit word is two 32-bit ones, the lower
 // first: an id as a BigInt costs an object, and a mesh has millions.
 
+// Most columns of a small diff are empty, and the page keeps many diffs.
+const noWords = new Uint32Array(0);
+const noDoubles = new Float64Array(0);
+
 /** Words of `fixed64`: two numbers each. */
 export function words(bytes: Uint8Array): Uint32Array {
+  if (bytes.length === 0) return noWords;
   return new Uint32Array(aligned(bytes, 8));
 }
 
 export function doubles(bytes: Uint8Array): Float64Array {
+  if (bytes.length === 0) return noDoubles;
   return new Float64Array(aligned(bytes, 8));
 }
 
 /** Words of `uint64`, which are varints: two numbers each. */
 export function varints(bytes: Uint8Array): Uint32Array {
+  if (bytes.length === 0) return noWords;
   let count = 0;
   for (const byte of bytes) if (byte < 0x80) ++count;
   const result = new Uint32Array(2 * count);

@@ -1,5 +1,5 @@
 // The past that the page keeps: diffs that it has applied, with what they removed, so that they can be
-// taken back and applied again. The oldest go when there are too many bytes of them.
+// taken back and applied again. The oldest go when there are too many of them, or too many bytes.
 import type { Added, Removed, VertexRows } from './difference.js';
 import type { SlotMesh } from './slot_mesh.js';
 
@@ -18,7 +18,10 @@ export class History {
   /** Steps that are applied; those behind them were taken back. */
   #applied = 0;
 
-  constructor(private readonly limit = 32 << 20) {}
+  constructor(
+    private readonly mostBytes = 32 << 20,
+    private readonly mostSteps = 1000,
+  ) {}
 
   /** Steps that can be taken back. */
   get before(): number {
@@ -36,7 +39,10 @@ export class History {
     this.#steps.push(step);
     this.#applied = this.#steps.length;
     this.#bytes += bytesOf(step);
-    while (this.#bytes > this.limit && this.#steps.length > 1) {
+    while (
+      (this.#bytes > this.mostBytes || this.#steps.length > this.mostSteps) &&
+      this.#steps.length > 1
+    ) {
       const oldest = this.#steps.shift();
       if (oldest) this.#bytes -= bytesOf(oldest);
       --this.#applied;

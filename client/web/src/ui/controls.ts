@@ -21,6 +21,20 @@ export class Controls {
   readonly #edges = checkbox('Edges');
   readonly #segments = checkbox('Subsegments');
   readonly #points = checkbox('Input points');
+  readonly #clip = select('Cut across', ['none', 'x', 'y', 'z'] as const, {
+    none: 'no axis',
+    x: 'x',
+    y: 'y',
+    z: 'z',
+  });
+  readonly #share = element('input', {
+    type: 'range',
+    min: '0',
+    max: '1',
+    step: '0.005',
+    'aria-label': 'Place of the cut',
+  });
+  readonly #space = element('div', { hidden: true }, this.#clip.label, this.#share);
   readonly #legend = element('div', { role: 'group', 'aria-label': 'Legend' });
 
   constructor(
@@ -32,8 +46,16 @@ export class Controls {
       ...[this.#fill, this.#ramp, this.#edges, this.#segments, this.#points].map(
         ({ label }) => label,
       ),
+      this.#space,
       this.#legend,
     );
+    const cut = (): void => {
+      const axis = 'xyz'.indexOf(this.#clip.input.value);
+      const share = Number(this.#share.value);
+      this.changed({ clip: axis < 0 ? undefined : { axis, share } });
+    };
+    this.#clip.input.addEventListener('change', cut);
+    this.#share.addEventListener('input', cut);
     this.#fill.input.addEventListener('change', () => {
       this.changed({ fill: this.#fill.input.value as Fill });
     });
@@ -49,7 +71,11 @@ export class Controls {
     }
   }
 
-  show(link: Link, theme: Theme, range: readonly [number, number]): void {
+  show(link: Link, theme: Theme, range: readonly [number, number], isSpace: boolean): void {
+    this.#space.hidden = !isSpace;
+    this.#clip.input.value = link.clip ? 'xyz'[link.clip.axis] : 'none';
+    this.#share.value = String(link.clip?.share ?? 0.5);
+    this.#share.disabled = link.clip === undefined;
     this.#fill.input.value = link.fill;
     this.#ramp.input.value = link.ramp;
     this.#edges.input.checked = link.edges;

@@ -10,6 +10,8 @@ export interface Link {
   edges: boolean;
   segments: boolean;
   points: boolean;
+  /** Of 3D meshes: across which axis they are cut, and where between the sides of the box. */
+  clip: { axis: number; share: number } | undefined;
   /** The middle and the zoom, relative to the fitted picture; or the angles of a space. */
   view: readonly number[];
 }
@@ -21,10 +23,20 @@ export const start: Link = {
   edges: true,
   segments: true,
   points: true,
+  clip: undefined,
   view: [],
 };
 
 const HIDDEN = ['edges', 'segments', 'points'] as const;
+
+const AXES = 'xyz';
+
+function clipOf(text: string): Link['clip'] {
+  const match = /^([xyz]) ([\d.]+)$/.exec(text);
+  if (match === null) return undefined;
+  const share = Number(match[2]);
+  return share >= 0 && share <= 1 ? { axis: AXES.indexOf(match[1]), share } : undefined;
+}
 
 /** Reads a link; what is missing or makes no sense is as in `start`. */
 export function readLink(hash: string): Link {
@@ -40,6 +52,7 @@ export function readLink(hash: string): Link {
     edges: !hidden.includes('edges'),
     segments: !hidden.includes('segments'),
     points: !hidden.includes('points'),
+    clip: clipOf(given.get('clip') ?? ''),
     view: view.length > 1 && view.every(Number.isFinite) ? view : [],
   };
 }
@@ -52,6 +65,7 @@ export function writeLink(link: Link): string {
   if (link.ramp !== start.ramp) given.set('ramp', link.ramp);
   const hidden = HIDDEN.filter((name) => !link[name]);
   if (hidden.length > 0) given.set('hide', hidden.join(' '));
+  if (link.clip) given.set('clip', `${AXES[link.clip.axis]} ${link.clip.share}`);
   if (link.view.length > 0) given.set('view', link.view.join(' '));
   return `#${given.toString()}`;
 }

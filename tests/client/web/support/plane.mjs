@@ -48,7 +48,9 @@ export class Plane {
 /** The triangles that are large enough on the page to have a colour of their own, with a pixel. */
 export async function visible(page, plane, pixels = 5) {
   const insides = plane.triangles.map((triangle) => plane.inside(triangle));
-  const seen = await page.evaluate((places) => {
+  const seen = await page.evaluate(async (places) => {
+    // A change of the layout reaches the picture in the next frame.
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     const canvas = document.getElementById('picture').getBoundingClientRect();
     const scale = window.__dynmesh.pixelOf(1, 0).x - window.__dynmesh.pixelOf(0, 0).x;
     return places.map(({ x, y, radius }) => {
