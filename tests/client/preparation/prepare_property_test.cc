@@ -170,6 +170,39 @@ class Solids {
     return all;
   }
 
+  // Tetrahedra between places of a lattice, some of them a little beside theirs, so that they share
+  // planes, corners and edges, or nearly do.
+  Solid NextSoup() {
+    std::uniform_real_distribution<double> noise(-1, 1), exponent(-12, -3);
+    const double scale = Below(2) == 0 ? 0 : std::pow(10, exponent(random_));
+    const int count = 2 + Below(5);
+    Solid all;
+    for (int i = 0; i < count; ++i) {
+      Solid solid;
+      for (int k = 0; k < 4; ++k) {
+        std::array<double, 3> point{};
+        for (double& x : point) x = Below(4) + (Below(3) == 0 ? scale * noise(random_) : 0);
+        solid.points.push_back(point);
+      }
+      solid.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+      all.Add(solid);
+    }
+    if (Below(2) == 0) MakeFloat(all);
+    return all;
+  }
+
+  // Two of the others, over each other.
+  Solid NextMixture() {
+    constexpr Solid (Solids::*kKinds[])() = {&Solids::Next,       &Solids::NextNeedles,
+                                             &Solids::NextRibbon, &Solids::NextSpheres,
+                                             &Solids::NextGrid,   &Solids::NextSheets};
+    Solid all = (this->*kKinds[static_cast<std::size_t>(Below(6))])();
+    Solid other = (this->*kKinds[static_cast<std::size_t>(Below(6))])();
+    if (Below(2) == 0) Turn(other);
+    all.Add(other);
+    return all;
+  }
+
  private:
   int Below(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
   void Turn(Solid& solid) {
@@ -344,6 +377,25 @@ TEST(PrepareProperty, PlatesWithNoise) {
 TEST(PrepareProperty, SheetsOnEachOther) {
   ExpectAcceptedAndNearAndStays(&Solids::NextSheets,
                                 {.mended = 0.25, .is_closed = false, .runs = 20});
+}
+
+// Two tetrahedra that share a plane may be folded to one layer.
+TEST(PrepareProperty, TetrahedraBetweenPlacesOfALattice) {
+  ExpectAcceptedAndNearAndStays(&Solids::NextSoup, {.mended = 0.25,
+                                                    .refused = 0.1,
+                                                    .is_closed = false,
+                                                    .runs = 20,
+                                                    .by_samples = true,
+                                                    .roundings = 8});
+}
+
+TEST(PrepareProperty, MixturesOfThem) {
+  ExpectAcceptedAndNearAndStays(&Solids::NextMixture, {.mended = 0.25,
+                                                       .refused = 0.2,
+                                                       .is_closed = false,
+                                                       .runs = 4,
+                                                       .by_samples = true,
+                                                       .roundings = 8});
 }
 
 TEST(PrepareProperty, NeedlesAreTakenAwayWithinTheDistance) {
