@@ -32,6 +32,8 @@ absl::StatusOr<Surface> Read(const std::string& path, const SurfaceChoices& choi
 
 SurfaceReport ReportOf(preparation::Report report) {
   SurfaceReport told;
+  told.larger_tolerance = preparation::LargerTolerance(report);
+  told.seconds = report.seconds;
   told.mended = report.is_mended;
   told.thinned = report.is_thinned;
   told.found = std::move(report.found);

@@ -56,11 +56,14 @@ struct SurfaceReport {
   double within = 0;      // D
   double tolerance = 0;   // of mending
   double farthest = 0;    // a bound of how far it moved, up to a factor of 2
+  // The next one that may help where the mesh is too fine; nothing if D allows none.
+  std::optional<double> larger_tolerance = {};
   // The least tolerance that it was mended with on request, or as its mesh was too fine without.
   std::optional<double> least_tolerance = {};
-  std::size_t triangles_read = 0, triangles = 0;             // if it is thinned
-  std::size_t open_edges_read = 0, open_edges = 0;           // of 3D: with one face
-  std::vector<SurfaceLoop> open_loops;                       // those left, by ascending length
+  std::size_t triangles_read = 0, triangles = 0;    // if it is thinned
+  std::size_t open_edges_read = 0, open_edges = 0;  // of 3D: with one face
+  std::vector<SurfaceLoop> open_loops;              // those left, by ascending length
+  double seconds = 0;
   std::vector<std::pair<std::string, std::size_t>> changes;  // "point merged", and how often
 };
 
