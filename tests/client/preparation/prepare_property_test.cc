@@ -272,6 +272,16 @@ struct Wanted {
   double roundings = 0;
 };
 
+// NearestOn is not accurate for needles: a point of an edge may be nearer than what it returns.
+double SquaredDistanceTo(const cleaning::TriangleCorners& target, const cleaning::Point3& at) {
+  double least = cleaning::SquaredDistance<3>(at, cleaning::NearestOn(target, at));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const cleaning::Point3 foot = cleaning::FootOn(target[k], target[(k + 1) % 3], at);
+    least = std::min(least, cleaning::SquaredDistance<3>(at, foot));
+  }
+  return least;
+}
+
 // The largest distance from one of ten points of each face to the nearest face of `to`. O(n m).
 double SampledFarthest(const std::vector<Feature>& from, const std::vector<Feature>& to) {
   const std::vector<PolygonPart> targets = TrianglesOf(to);
@@ -284,8 +294,7 @@ double SampledFarthest(const std::vector<Feature>& from, const std::vector<Featu
         for (std::size_t k = 0; k < 3; ++k) at[k] = (i * a[k] + j * b[k] + (3 - i - j) * c[k]) / 3;
         double least = INFINITY;
         for (const PolygonPart& target : targets) {
-          const cleaning::Point3 nearest = cleaning::NearestOn(target.corners, at);
-          least = std::min(least, cleaning::SquaredDistance<3>(at, nearest));
+          least = std::min(least, SquaredDistanceTo(target.corners, at));
         }
         farthest = std::max(farthest, least);
       }
