@@ -34,7 +34,7 @@ math(EXPR next_absl "${absl_VERSION} + 1")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libabsl-dev (>= ${absl_VERSION}), libabsl-dev (<< ${next_absl})")
 # For the libraries of files and of the client only; the mesher does not need them.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev, zlib1g-dev, libgmp-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "dynamic meshing: C++ libraries and headers
 The mesher as a static library, and the client of dynmeshd, with files for CMake and pkg-config.")
 

@@ -26,6 +26,7 @@
 #include "client/cli/unsplit_flag.h"
 #include "client/cli/vertex_limit.h"
 #include "client/cli/words.h"
+#include "client/preparation/attempts.h"
 #include "core/base/text.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quadtree.h"
@@ -69,6 +70,7 @@ void AddTo(JsonObject& summary, const preparation::Report& report) {
       .Add("open_loops", report.open_loops.size())
       .Add("prepare_seconds", report.seconds)
       .AddObject("changes", changes);
+  if (report.least_tolerance) summary.Add("least_tolerance", *report.least_tolerance);
   if (report.is_thinned)
     summary.Add("triangles_read", report.triangles_read).Add("triangles", report.triangles);
   std::vector<JsonObject> loops;
@@ -160,46 +162,58 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
       mesh.vertices.size(), coarsest, finest, build_seconds, mesh.hash.ToHex());
 }
 
-// A surface file, mended with the least larger tolerance that changes it. Of one that was too fine
-// as it was mended, or as it is.
-struct MendedMore {
-  double tolerance;
-  Input input;
+// An input, which may be one of several that a file can become.
+struct Surface : Input {
+  bool is_told = false;  // its warnings are printed
 };
 
-std::optional<MendedMore> MendMore(const MeshCommand& command, const Input& input,
-                                   const absl::Status& refusal) {
-  const io::Format* const format = io::FindFormat(command.input);
-  if (!input.preparation || format == nullptr || !format->Is(io::kSurface)) return std::nullopt;
-  // What was asked for may be the reason as well; and features of sizes are none of the file.
-  const MeshFlags& mesh = command.mesh;
-  const SizeFlags& sizes = command.sizes;
-  if (mesh.max_vertices || mesh.max_edge || mesh.max_volume || !command.max_memory.empty() ||
-      !sizes.files.empty() || !sizes.of.empty() || !sizes.grades.empty()) {
-    return std::nullopt;
-  }
-  InputFlags reading = command.reading;
-  preparation::Report report = *input.preparation;
-  while (const auto larger = preparation::ToleranceIfTooFine(report, refusal)) {
-    reading.least_tolerance = larger;
-    absl::StatusOr<Input> again = LoadInput(command.input, reading);
-    if (!again.ok() || !again->preparation || !again->preparation->is_mended) break;
-    if (again->features != input.features) return MendedMore{*larger, *std::move(again)};
-    report = *again->preparation;
-  }
-  return std::nullopt;
+absl::StatusOr<Surface> ReadSurface(const std::string& path, const InputFlags& reading) {
+  absl::StatusOr<Input> input = LoadInput(path, reading);
+  if (!input.ok()) return input.status();
+  return Surface{*std::move(input)};
 }
 
-// `loaded`: the input, if it has been read.
-int Run(MeshCommand command, std::optional<Input> loaded) {
-  command.selection.inside |= command.reading.refine;
-  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+bool IsRemote(const MeshCommand& command) {
+  return command.remote != nullptr && command.remote->is_chosen();
+}
+
+// May a larger tolerance be tried where the mesh is too fine? What was asked for may be the reason
+// as well; and features of sizes are none of the file.
+bool MayMendMore(const MeshCommand& command) {
+  const io::Format* const format = io::FindFormat(command.input);
+  const MeshFlags& mesh = command.mesh;
+  const SizeFlags& sizes = command.sizes;
+  return format != nullptr && format->Is(io::kSurface) && !IsRemote(command) &&
+         !mesh.max_vertices && !mesh.max_edge && !mesh.max_volume && command.max_memory.empty() &&
+         sizes.files.empty() && sizes.of.empty() && sizes.grades.empty();
+}
+
+// Reports that there is no mesh of `input`. Returns the exit code.
+int ReportNoMesh(const MeshCommand& command, const Input& input, const absl::Status& refusal,
+                 const std::string& limit_reason) {
+  const io::Format* const format = io::FindFormat(command.input);
+  const absl::Status named = NameOption(refusal, command.mesh, input.where_option);
+  if (absl::IsResourceExhausted(named)) {
+    return ReportTooLarge(named, input, IsRemote(command) ? "" : limit_reason);
+  }
+  RefusalWishes wishes;
+  wishes.is_merged = command.reading.merge_coplanar;
+  wishes.is_refined = command.reading.refine;
+  wishes.all = command.all_refusals;
+  if (input.preparation && input.preparation->within > 0) {
+    wishes.mended_within = input.preparation->within;
+  }
+  if (format != nullptr && !format->Is(io::kScript)) {
+    wishes.mending = command.reading.prepare ? "--within D" : "the command without --exact";
+  }
+  return ReportRefusals(named, input, wishes);
+}
+
+// Makes the mesh, of no more vertices than `most`, and writes it. The exit code; if there is no
+// mesh, why, and the reason for the limit of vertices: that is still to be reported.
+absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64_t> most,
+                                 Surface* input, std::string& limit_reason) {
   ProgressBar bar(ErrorIsTerminal());
-  bar.Show(0, 0, Concat("reading ", command.input));
-  absl::StatusOr<Input> input =
-      loaded ? *std::move(loaded) : LoadInput(command.input, command.reading);
-  bar.End();
-  if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   const io::Format* const format = io::FindFormat(command.input);
   command.selection.inside_by_default =
@@ -209,7 +223,7 @@ int Run(MeshCommand command, std::optional<Input> loaded) {
   const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
   if (!selection.ok()) return ReportError(selection.status());
   // Of what is to be enclosed.
-  if (input->preparation && !selection->IsEverything()) {
+  if (input->preparation && !selection->IsEverything() && !input->is_told) {
     const std::string loops = preparation::TextOfLoops(*input->preparation);
     if (!loops.empty()) input->warnings.push_back(Concat(command.input, ": ", loops));
   }
@@ -220,13 +234,15 @@ int Run(MeshCommand command, std::optional<Input> loaded) {
   if (auto status = ParseMarkersFlag(command.markers, labels); !status.ok()) {
     return ReportError(status);
   }
-  if (command.markers.empty() && !input->labels->markers.empty()) {
+  if (command.markers.empty() && !input->labels->markers.empty() && !input->is_told) {
     input->warnings.push_back(absl::StrFormat(
         "%s: %d marker(s) of the input: files other than .vtu have ids of features as markers; "
         "--markers input keeps those of the input",
         command.input, input->labels->markers.size()));
   }
-  for (const std::string& warning : input->warnings) PrintWarning(warning);
+  if (!std::exchange(input->is_told, true)) {
+    for (const std::string& warning : input->warnings) PrintWarning(warning);
+  }
   // It is of the prepared surface, whether or not a mesh is made of that.
   if (!command.map.empty()) {
     if (auto status = WriteFacetMap(command.input, *input, command.map); !status.ok()) {
@@ -252,10 +268,12 @@ int Run(MeshCommand command, std::optional<Input> loaded) {
   }
   absl::StatusOr<MemoryBudget> memory = ParseMemory(command.max_memory);
   if (!memory.ok()) return ReportError(memory.status());
-  const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
+  const bool is_remote = IsRemote(command);
   const VertexLimit limit =
       VertexLimitOf(input->features, options, command.mesh.max_vertices.has_value(), *memory);
-  if (!is_remote) input->options.limits.max_vertices = options.limits.max_vertices = limit.most;
+  limit_reason = limit.reason;
+  if (!is_remote && !most) input->options.limits.max_vertices = limit.most;
+  if (!is_remote) options.limits.max_vertices = std::min(limit.most, most.value_or(limit.most));
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
@@ -275,29 +293,7 @@ int Run(MeshCommand command, std::optional<Input> loaded) {
   bar.End();
   if (!mesh.ok()) {
     packed.Unpack(input->features);
-    std::optional<MendedMore> more =
-        is_remote ? std::nullopt : MendMore(command, *input, mesh.status());
-    if (more) {
-      PrintWarning(Concat(command.input, ": ", text::View(mesh.status().message()),
-                          "; tried again with --mending-tolerance ", more->tolerance));
-      command.reading.least_tolerance = more->tolerance;
-      return Run(std::move(command), std::move(more->input));
-    }
-    const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
-    if (absl::IsResourceExhausted(named)) {
-      return ReportTooLarge(named, *input, is_remote ? "" : limit.reason);
-    }
-    RefusalWishes wishes;
-    wishes.is_merged = command.reading.merge_coplanar;
-    wishes.is_refined = command.reading.refine;
-    wishes.all = command.all_refusals;
-    if (input->preparation && input->preparation->within > 0) {
-      wishes.mended_within = input->preparation->within;
-    }
-    if (format != nullptr && !format->Is(io::kScript)) {
-      wishes.mending = command.reading.prepare ? "--within D" : "the command without --exact";
-    }
-    return ReportRefusals(named, *input, wishes);
+    return mesh.status();
   }
   if (options.kind == MeshKind::kQuadtree) {
     if (!selection->IsEverything()) {
@@ -338,13 +334,39 @@ int Run(MeshCommand command, std::optional<Input> loaded) {
              : kExitFailed;
 }
 
+int Run(MeshCommand command) {
+  command.selection.inside |= command.reading.refine;
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  ProgressBar bar(ErrorIsTerminal());
+  bar.Show(0, 0, Concat("reading ", command.input));
+  absl::StatusOr<Surface> input = ReadSurface(command.input, command.reading);
+  bar.End();
+  if (!input.ok()) return ReportError(input.status());
+  absl::StatusOr<int> code = kExitFailed;
+  std::string limit_reason;
+  const auto make = [&](Surface& surface, std::optional<std::uint64_t> most) {
+    code = MakeAndWrite(command, most, &surface, limit_reason);
+    return code.status();
+  };
+  const auto prepare = [&](double tolerance) {
+    InputFlags reading = command.reading;
+    reading.least_tolerance = tolerance;
+    return ReadSurface(command.input, reading);
+  };
+  const auto tell = [&](const std::string& why) { PrintWarning(Concat(command.input, ": ", why)); };
+  const absl::Status made = MayMendMore(command)
+                                ? preparation::MakeOfSurface(*input, make, prepare, tell)
+                                : make(*input, std::nullopt);
+  return made.ok() ? *code : ReportNoMesh(command, *input, made, limit_reason);
+}
+
 }  // namespace
 
 void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<RemoteMesher> remote) {
   auto command = std::make_shared<MeshCommand>();
   command->remote = std::move(remote);
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
-                                   [command] { return Run(*command, std::nullopt); });
+                                   [command] { return Run(*command); });
   sub->add_option("INPUT", command->input, io::GeometryFormats())->required();
   AddInputFlags(*sub, command->reading);
   AddMapFlags(*sub, command->reading);

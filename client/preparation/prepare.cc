@@ -301,6 +301,7 @@ absl::StatusOr<Prepared> Prepare(const std::string& path, const io::GeometryOpti
       Fill(*options.fill_holes, reading, prepared);
     }
     if (report.open_edges_after != 0) report.open_loops = OpenLoopsOf(prepared.geometry.features);
+    report.least_tolerance = options.least_tolerance;
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     report.seconds = seconds.count();
     return prepared;

@@ -60,7 +60,8 @@ struct Report {
   std::vector<OpenLoop> open_loops;                  // after all, by ascending length
   absl::Status unfilled;               // what a mesh refuses of the surface with its holes filled
   double within = 0;                   // D
-  double tolerance = 0, farthest = 0;  // of the cleaning; a bound of how far the result is
+  std::optional<double> least_tolerance;  // the least one that was allowed, if any was given
+  double tolerance = 0, farthest = 0;     // of the cleaning; a bound of how far the result is
   double seconds = 0;
   // What was done: "points merged", and how often. Only what was done.
   std::vector<std::pair<std::string, std::size_t>> changes;

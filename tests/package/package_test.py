@@ -28,6 +28,7 @@ PYTHON_FOLDER = "lib/python3/dist-packages"
 HAS_PYTHON = any((BUILD / "python/dynmesh").glob("_core*.so"))  # not with -DDYNMESH_PYTHON=OFF
 WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
 ENGINE_SAYS = "the trace is that of a run from scratch\n"  # examples/maximum.cc
+CRACK_SAYS = "8 0 within\n"
 PLATE = """8 2 0 0
 1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 .4 .4\n6 .6 .4\n7 .6 .6\n8 .4 .6
 8 0
@@ -120,8 +121,22 @@ class Installed(Folder):
             )
         self.assertEqual(run(where / "consumer").split(), [version(), expected_hash()])
         self.assertIn(ENGINE_SAYS, run(where / "consumer_engine"))
+        self.assertEqual(run(where / "consumer_surfaces", self.crack()), CRACK_SAYS)
         with Server(self.folder / "port") as address:
             self.assertEqual(run(where / "consumer_client", address).split(), [expected_hash()])
+
+    def crack(self):
+        """A surface file: a box whose lid is a little above it."""
+        path = self.folder / "crack.off"
+        ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        points = [(x, y, z) for z in ("0", "1", "1.000001") for x, y in ring]
+        sides = [(i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i) for i in range(4)]
+        faces = [(3, 2, 1, 0), (8, 9, 10, 11), *sides]
+        rows = ["OFF", f"{len(points)} {len(faces)} 0",
+                *(" ".join(map(str, point)) for point in points),
+                *(" ".join(map(str, (4, *face))) for face in faces)]
+        path.write_text("\n".join(rows) + "\n")
+        return path
 
     def build_by_pkg_config(self, package, target, source):
         """A program of consumer/ by that package's flags. Its object is CMake's, as reading the
@@ -186,6 +201,11 @@ class Installed(Folder):
         run(CXX, "-std=c++20", *WARNINGS, *self.pkg_config("--cflags", "dynmesh-files"), program,
             "-o", self.folder / "files", *self.pkg_config("--libs", "dynmesh-files"))
         run(self.folder / "files")
+
+    def test_surfaces_are_mended_with_pkg_config(self):
+        program = self.build_by_pkg_config("dynmesh-surfaces", "consumer_surfaces",
+                                           CONSUMER / "surfaces.cc")
+        self.assertEqual(run(program, self.crack()), CRACK_SAYS)
 
     def test_help_is_installed(self):
         self.assertIn(".SS \"dynmesh mesh\"",
@@ -491,9 +511,11 @@ class Packages(Folder):
         )
         tails = {re.sub(r"^/usr/lib(/[^/]+-linux-gnu)?/", "", name) for name in files}
         self.assertLessEqual({
-            "libdynmesh.a", "libdynmesh_client.a", "libdynmesh_files.a", "cmake/dynmesh/dynmesh-config.cmake",
+            "libdynmesh.a", "libdynmesh_client.a", "libdynmesh_files.a", "libdynmesh_surfaces.a",
+            "cmake/dynmesh/dynmesh-config.cmake",
             "cmake/dynmesh/dynmesh-config-version.cmake", "cmake/dynmesh/dynmesh-targets.cmake",
             "pkgconfig/dynmesh.pc", "pkgconfig/dynmesh-client.pc", "pkgconfig/dynmesh-files.pc",
+            "pkgconfig/dynmesh-surfaces.pc",
             "pkgconfig/dynmesh-c.pc",
         }, tails)
         self.assertFalse([name for name in files if "/bin/" in name or "journal" in name])

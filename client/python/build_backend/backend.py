@@ -114,7 +114,7 @@ def _configure_and_build(service: bool) -> pathlib.Path:
         ["cmake", "-S", str(_SOURCE), "-B", str(tree), *generator, "-DCMAKE_BUILD_TYPE=Release",
          "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=16", "-DDYNMESH_WERROR=OFF",
          f"-DDYNMESH_SERVICE={'ON' if service else 'OFF'}", "-DDYNMESH_FILES=ON",
-         "-DDYNMESH_PYTHON=ON", "-DDYNMESH_C=OFF", "-DDYNMESH_TESTS=OFF",
+         "-DDYNMESH_SURFACES=OFF", "-DDYNMESH_PYTHON=ON", "-DDYNMESH_C=OFF", "-DDYNMESH_TESTS=OFF",
          "-DDYNMESH_BENCHMARKS=OFF", "-DDYNMESH_INSTALL=OFF",
          f"-DPython3_EXECUTABLE={sys.executable}"], check=True)
     subprocess.run(["cmake", "--build", str(tree), "-j", jobs, "--target",

@@ -32,7 +32,8 @@ class FileInput:
     warnings: list[str]
     #: Of `read_surface`: "mended"; "thinned", with "triangles_read" and "triangles" (if neither, the
     #: file is as it was read); "found" (what a mesh refuses of it, or ""), "within", "tolerance",
-    #: "larger_tolerance" (the next one that may help, or None), "farthest" (a bound of how far it
+    #: "least_tolerance" (the least one that was allowed, or None), "larger_tolerance" (the next one
+    #: that may help, or None), "attempts" (why there was more than one, of `try_mesh`), "farthest" (a bound of how far it
     #: moved, up to a factor of 2), "open_edges_read", "open_edges", "open_loops" (those left, by
     #: ascending length: "points", "length", "middle"), "unfilled" (what a mesh refuses of it with its
     #: holes filled, or ""), "seconds", and "changes", counts by kind.
@@ -84,7 +85,7 @@ def read_input(path: Union[str, os.PathLike[str]], *, merge_coplanar: bool = Fal
 def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] = None,
                  fill_holes: Optional[float] = None, mending_tolerance: Optional[float] = None,
                  polygons: bool = True, keep_facets: bool = False,
-                 facets: bool = False) -> FileInput:
+                 facets: bool = False, try_mesh: bool = False) -> FileInput:
     """The features in a surface file or a map, mended where a mesh refuses them.
 
     The same as the command `dynmesh mesh` does. What crosses, overlaps, nearly touches or is there
@@ -93,10 +94,13 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
     of a surface that are finer than the distance needs become fewer.
 
     Some surfaces are accepted, and take too many vertices all the same. `dynmesh mesh` tries these
-    again, and so may a program that gets `ResourceExhausted` for one:
+    with a larger tolerance, and so does `try_mesh`, which makes a mesh without a trace to find that
+    out, and drops it. A program that gets `LimitExceeded` for one may do so by
     `mending_tolerance=read.preparation["larger_tolerance"]`, as long as that is not None.
 
-    Raises `InvalidArgument` with file and line for bad content, and if nothing is left.
+    Raises `InvalidArgument` with file and line for bad content, and if nothing is left; with
+    `try_mesh` also what a mesh refuses, `LimitExceeded` if it would have more than 2,000,000
+    vertices, or 500 for each feature.
 
     Args:
         path: as of `read_input`. Surfaces, maps, and 2D .poly and .node are prepared; others if
@@ -110,8 +114,9 @@ def read_surface(path: Union[str, os.PathLike[str]], *, within: Optional[float] 
         polygons: rings of a map are polygons, not segments.
         keep_facets: as of `read_input`.
         facets: tell which polygon each facet of a surface file is a part of.
+        try_mesh: with a larger tolerance where a mesh of the surface is too fine.
     """
     read = _core.read_surface(os.fspath(path), within, fill_holes, mending_tolerance, polygons,
-                              keep_facets, facets)
+                              keep_facets, facets, try_mesh)
     return FileInput(read["options"], _edits_of(read["features"]), read["holes"], read["places"],
                      read["warnings"], read["preparation"], read["facets"])

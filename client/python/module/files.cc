@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "client/preparation/facet_map.h"
-#include "client/preparation/prepare.h"
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "client/python/module/status.h"
 #include "core/base/text.h"
-#include "core/io/api/file_input.h"
+#include "core/io/formats/geometry.h"
+#include "dynmesh/surfaces.h"
 
 namespace dynmesh::python {
 namespace {
@@ -49,39 +49,53 @@ py::dict Read(const std::string& path, bool merge_coplanar, bool polygons, bool 
 // "mended" and so on: what was done, and how far the result is from the file.
 py::dict ReadSurface(const std::string& path, std::optional<double> within,
                      std::optional<double> fill_holes, std::optional<double> mending_tolerance,
-                     bool polygons, bool keep_facets, bool facets) {
-  absl::StatusOr<preparation::Prepared> prepared = absl::UnknownError("");
+                     bool polygons, bool keep_facets, bool facets, bool try_mesh) {
+  const SurfaceChoices choices = {within, fill_holes, mending_tolerance, polygons, keep_facets};
+  absl::StatusOr<PreparedSurface> prepared = absl::UnknownError("");
   absl::StatusOr<std::vector<FeatureId>> of_facets = std::vector<FeatureId>();
+  std::vector<std::string> attempts;
   {
     py::gil_scoped_release release;
-    io::GeometryOptions reading;
-    reading.polygons = polygons;
-    reading.keep_facets = keep_facets;
-    prepared = preparation::Prepare(path, reading, {within, fill_holes, mending_tolerance});
+    if (try_mesh) {
+      absl::StatusOr<SurfaceMesh> made = BuildSurface(path, choices);
+      if (made.ok()) {
+        prepared = std::move(made->surface);
+        attempts = std::move(made->attempts);
+      } else {
+        prepared = made.status();
+      }
+    } else {
+      prepared = PrepareSurface(path, choices);
+    }
     if (prepared.ok() && facets) {
-      of_facets = preparation::PolygonsOfFacets(path, prepared->geometry, prepared->report.within);
+      io::Geometry geometry;
+      geometry.options = prepared->input.options;
+      geometry.features = prepared->input.features;
+      of_facets = preparation::PolygonsOfFacets(path, geometry, prepared->report.within);
     }
   }
-  preparation::Prepared value = Value(std::move(prepared));
-  const preparation::Report& report = value.report;
+  const PreparedSurface value = Value(std::move(prepared));
+  const SurfaceReport& report = value.report;
   py::dict told;
-  told["mended"] = report.is_mended;
-  told["thinned"] = report.is_thinned;
-  if (report.is_thinned) {
+  told["mended"] = report.mended;
+  told["thinned"] = report.thinned;
+  if (report.thinned) {
     told["triangles_read"] = report.triangles_read;
     told["triangles"] = report.triangles;
   }
   told["found"] = std::string(text::View(report.found.message()));
   told["within"] = report.within;
   told["tolerance"] = report.tolerance;
-  told["larger_tolerance"] = preparation::LargerTolerance(report);
+  told["least_tolerance"] = report.least_tolerance;
+  told["larger_tolerance"] = report.larger_tolerance;
+  told["attempts"] = attempts;
   told["farthest"] = report.farthest;
-  told["open_edges_read"] = report.open_edges;
-  told["open_edges"] = report.open_edges_after;
+  told["open_edges_read"] = report.open_edges_read;
+  told["open_edges"] = report.open_edges;
   py::list loops;
-  for (const preparation::OpenLoop& loop : report.open_loops) {
+  for (const SurfaceLoop& loop : report.open_loops) {
     py::dict row;
-    row["points"] = loop.corners;
+    row["points"] = loop.points;
     row["length"] = loop.length;
     row["middle"] = loop.middle;
     loops.append(std::move(row));
@@ -92,7 +106,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   py::dict changes;
   for (const auto& [what, count] : report.changes) changes[py::str(what)] = count;
   told["changes"] = changes;
-  py::dict result = DictOf(io::InputOf(std::move(value.geometry)));
+  py::dict result = DictOf(value.input);
   result["preparation"] = told;
   result["facets"] = Value(std::move(of_facets));
   return result;
@@ -177,7 +191,7 @@ void BindFiles(py::module_& module) {
              py::arg("refine"), py::arg("keep_facets"));
   module.def("read_surface", &ReadSurface, py::arg("path"), py::arg("within"),
              py::arg("fill_holes"), py::arg("mending_tolerance"), py::arg("polygons"),
-             py::arg("keep_facets"), py::arg("facets"));
+             py::arg("keep_facets"), py::arg("facets"), py::arg("try_mesh"));
   module.def("write_rows", &WriteRows, py::arg("points"), py::arg("cells"), py::arg("regions"),
              py::arg("edges"), py::arg("owners"), py::arg("labels"), py::arg("path"),
              py::arg("choices"));

@@ -58,6 +58,7 @@ TEST_F(PrepareCommand, WhatIsTooFineIsMendedWithALargerTolerance) {
   const std::string tolerance =
       made.err.substr(at + flag.size(), made.err.find('\n', at) - at - flag.size());
   EXPECT_LE(std::stod(tolerance), std::stod(Value(made.out, "within")));
+  EXPECT_EQ(std::stod(Value(made.out, "least_tolerance")), std::stod(tolerance));
   EXPECT_GE(std::stod(Value(made.out, "mending_tolerance")), std::stod(tolerance));
   EXPECT_EQ(Run("verify m.node --input needle.off --mending-tolerance " + tolerance).code, 0);
   const Outcome same = Run("mesh needle.off --json --mending-tolerance " + tolerance);

@@ -117,3 +117,33 @@ def test_a_surface_that_a_mesh_refuses_is_mended(tmp_path):
     assert most["tolerance"] == most["within"] and most["larger_tolerance"] is None
     with pytest.raises(dynmesh.InvalidArgument):
         dynmesh.read_surface(near, mending_tolerance=0.0)
+    tried = dynmesh.read_surface(crossing, try_mesh=True)
+    assert tried.edits == mended.edits and tried.preparation["attempts"] == []
+    assert tried.preparation["least_tolerance"] is None
+
+
+def test_a_surface_whose_mesh_is_too_fine_is_mended_more(tmp_path):
+    path = tmp_path / "needle.off"
+    path.write_text("""OFF
+6 8 0
+0.05685775 0.0002748734 -2.727833e-05
+-0.06876524 0.02404099 4.281872e-05
+-0.07475285 0.0003367258 -2.022409e-06
+-0.04555911 -0.01938796 -3.444687e-05
+-0.138661 -0.008725009 2.689457e-05
+-0.079188 -0.005978653 1
+3 0 1 4
+3 1 0 5
+3 1 2 4
+3 2 1 5
+3 2 3 4
+3 3 2 5
+3 3 0 4
+3 0 3 5
+""")
+    tried = dynmesh.read_surface(path, try_mesh=True)
+    assert "; tried again with --mending-tolerance " in tried.preparation["attempts"][0]
+    mesh = dynmesh.open(**{**tried.options, "max_vertices": 100_000})
+    mesh.load(**tried.edits)
+    least = tried.preparation["least_tolerance"]
+    assert dynmesh.read_surface(path, mending_tolerance=least).edits == tried.edits
