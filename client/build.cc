@@ -21,6 +21,7 @@ BuildRequest FirstMessage(const MeshOptions& options, const BuildParams& params)
   EncodeNewOptions(options, message.mutable_options());
   message.set_engine(params.engine == BuildEngine::kSvr ? v1::BUILD_ENGINE_SVR
                                                         : v1::BUILD_ENGINE_DYNAMIC);
+  message.set_only_inside(params.only_inside);
   if (params.max_time == absl::ZeroDuration()) return message;
   absl::Duration rest;
   message.mutable_max_time()->set_seconds(

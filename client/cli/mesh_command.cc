@@ -277,6 +277,7 @@ absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
+  build.only_inside = selection->IsInside();
   if (input->verdict && input->verdict->ok()) build.valid = **input->verdict;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
@@ -284,7 +285,7 @@ absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64
   build.features_read = [&] { packed.Pack(input->features); };
   const auto make = [&] {
     packed.Unpack(input->features);
-    return is_remote ? command.remote->Build(input->features, options, build.engine)
+    return is_remote ? command.remote->Build(input->features, options, build)
                      : WithinMemory(*memory, kMemoryAdvice,
                                     [&] { return BuildMesh(input->features, options, build); });
   };
@@ -312,6 +313,10 @@ absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64
     if (selection->IsOpened()) opened = selection->OpenedOf(*mesh);
     if (!opened.ok()) return ReportError(opened.status());
     mesh = selection->Of(*mesh);
+    if (build.only_inside && mesh.ok() && mesh->simplex_count() == all && Encloses(*mesh)) {
+      build.only_inside = false;  // all that is enclosed are cavities, and so all is written
+      mesh = BuildWithinVolumes(make, *input);
+    }
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;
   }

@@ -18,9 +18,10 @@ class RemoteMesher {
   virtual void AddFlags(CLI::App& command) = 0;
   // True if --server is given.
   virtual bool is_chosen() const = 0;
-  // As BuildMesh. Errors of the server have an ErrorDetail, too.
+  // As BuildMesh, of `build` by its engine and only_inside. Errors of the server have an
+  // ErrorDetail, too.
   virtual absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions& options,
-                                     BuildEngine engine) = 0;
+                                     const BuildOptions& build) = 0;
 };
 
 std::shared_ptr<RemoteMesher> MakeRemoteMesher();

@@ -86,6 +86,10 @@ std::vector<FeatureId> FreeEdges(const Mesh& mesh) {
 
 }  // namespace
 
+bool Encloses(const Mesh& mesh) {
+  return std::ranges::count(mesh_data::FindChambers(mesh).is_outside, false) != 0;
+}
+
 std::string ListOf(std::span<const FeatureId> ids) {
   constexpr std::size_t kMost = 10;
   std::string list;

@@ -40,6 +40,8 @@ class Selection {
                                          bool has_holes);
 
   bool IsEverything() const { return !inside_ && !by_holes_ && choice_.IsEverything(); }
+  // Is it the inside, and nothing else?
+  bool IsInside() const { return inside_ && !by_holes_ && choice_.IsEverything(); }
   // The chosen part of `mesh`, which is whole. INVALID_ARGUMENT, with a list of what exists, if it
   // is empty or a polygon is not in the mesh. Prints a warning for a hole that marks nothing, and
   // if nothing is enclosed where the inside is the default: then it is the whole mesh.
@@ -66,6 +68,9 @@ class Selection {
   mesh_data::RegionChoice choice_;
   std::vector<FeatureId> open_;
 };
+
+// Is a part of the whole mesh enclosed? O(mesh).
+bool Encloses(const Mesh& mesh);
 
 // "3, 7, 12", of more than ten "3, 7, ... and 4 more".
 std::string ListOf(std::span<const FeatureId> ids);

@@ -24,8 +24,11 @@ namespace {
 template <int D>
 class DynamicMesher {
  public:
-  DynamicMesher(const MeshOptions& options, typename DiffBuilder<D>::Triangulation* triangulation)
-      : refinement_(options, triangulation) {}
+  DynamicMesher(const MeshOptions& options, const BuildOptions& build,
+                typename DiffBuilder<D>::Triangulation* triangulation)
+      : refinement_(options, triangulation) {
+    if (build.only_inside) refinement_.OnlyInside();
+  }
 
   void Add(const plc::Delta<D>& delta, FeatureTable<D>& table, Steps& steps) {
     refinement_.Reserve(delta.added_points.size());
@@ -46,7 +49,8 @@ class DynamicMesher {
 template <int D>
 class SvrMesher {
  public:
-  SvrMesher(const MeshOptions& options, typename DiffBuilder<D>::Triangulation* triangulation)
+  SvrMesher(const MeshOptions& options, const BuildOptions& /*build*/,
+            typename DiffBuilder<D>::Triangulation* triangulation)
       : input_(options), triangulation_(triangulation) {}
 
   void Add(const plc::Delta<D>& delta, FeatureTable<D>& table, Steps& steps) {
@@ -91,7 +95,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   DiffBuilder<D> diffs(options.kind);
   FeatureTable<D> table;
   table.SetFixed();
-  Mesher<D> mesher(options, &diffs.triangulation());
+  Mesher<D> mesher(options, build, &diffs.triangulation());
   mesher.Add(*delta, table, steps);
   if (steps.stopped()) return GivenUpError();
   const auto work = [&] {

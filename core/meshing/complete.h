@@ -88,6 +88,7 @@ void CompleteWork<D, E>::Run(Context& context) {
   const double reach = complex_.rules.Reach(BucketOfEpoch(context.epoch));
   Link* const link = stars_.FindLink(v);
   if (link != nullptr && idle_stars_.Read(context, v, reach, *link)) return;
+  if (link != nullptr && facets_.is_needed() && idle_stars_.IsDone(v, *link)) return;
   Star<D>& star = stars_.Find(context, v, reach, link);
   if (complex_.by_edge()) {
     Fill<EdgeCriterion<D, E>>(context, star, link);

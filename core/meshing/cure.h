@@ -121,7 +121,7 @@ class CureWork {
     bool is_quick = false;  // it refused as IsSurelyBad knows; then nothing else is looked at
   };
   KnownFacet Know(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
-                  const Point& x, const Sliver& sliver) const;
+                  const Point& x, const Sliver& sliver, bool is_outside) const;
   // Is the tetrahedron of x and the facet surely bad? No ball is needed for that.
   bool IsSurelyBad(const KnownFacet& facet, const Point& x, const Sliver& sliver) const;
   // The same of any three vertices.
@@ -366,6 +366,7 @@ bool CureWork<D, E>::IsRefusedBy(Context& context, const Sliver& sliver, const P
     const std::array<VertexIndex, 3> v = base.FacetAt(facet);
     const std::array<Point, 3> p = {base.position(v[0]), base.position(v[1]), base.position(v[2])};
     const auto ball_of = [&] { return geometry::CircumballOf(x, p[0], p[2], p[1]); };
+    angles_are_good |= complex_.slivers.IsOutside(facet.simplex);
     const bool is_bad = IsTooShortOrLarge(v, p, x, sliver, ball_of) ||
                         (!angles_are_good && IsOn(RefinementTerm::kCureKeepsAngles) &&
                          IsSliver({v[0], v[1], v[2], kNil}, {p[0], p[1], p[2], x}));
@@ -400,14 +401,15 @@ bool CureWork<D, E>::StaysBad(Context& context, const Sliver& sliver, const Poin
 
 template <int D, template <class> class E>
 auto CureWork<D, E>::Know(const std::array<VertexIndex, 3>& v, const std::array<Point, 3>& p,
-                          const Point& x, const Sliver& sliver) const -> KnownFacet {
+                          const Point& x, const Sliver& sliver, bool is_outside) const
+    -> KnownFacet {
   KnownFacet known{v, p};
   if constexpr (D == 3) {
     for (std::size_t k = 0; k < 3; ++k) {
       const double d2 = geometry::SquaredDistance(p[k], p[(k + 1) % 3]);
       if (d2 < known.least2 && !complex_.IsSeditious(v[k], v[(k + 1) % 3])) known.least2 = d2;
     }
-    known.angles = geometry::ApexBound(complex_.slivers.bound(), p);
+    if (!is_outside) known.angles = geometry::ApexBound(complex_.slivers.bound(), p);
     known.is_quick = IsSurelyBad(known, x, sliver);
   }
   return known;
@@ -473,7 +475,8 @@ bool CureWork<D, E>::IsRefusedByCavity(Context& context, const Sliver& sliver, c
                                       base.position(v[2])};
       Certain angles = Certain::kNone;
       bool is_bad = IsSurelyTooShortOrLarge(p, x, sliver);
-      if (!is_bad && keeps_angles) {
+      const bool is_outside = complex_.slivers.IsOutside(by.simplex);
+      if (!is_bad && keeps_angles && !is_outside) {
         angles = complex_.slivers.Look({p[0], p[1], p[2], x});
         is_bad = angles == Certain::kOne;
       }
@@ -482,7 +485,7 @@ bool CureWork<D, E>::IsRefusedByCavity(Context& context, const Sliver& sliver, c
         return true;
       }
       if (!StaysBad(context, sliver, x, v, p, reads)) return true;
-      refusing_.Add(by, Know(v, p, x, sliver));
+      refusing_.Add(by, Know(v, p, x, sliver, is_outside));
       return false;
     });
     if (!is_kept) return true;
@@ -493,8 +496,8 @@ bool CureWork<D, E>::IsRefusedByCavity(Context& context, const Sliver& sliver, c
     for (const auto& [by, angles_are_good] : unsure_) {
       if (!IsRefusedBy(context, sliver, x, by, reads, angles_are_good)) continue;
       const std::array<VertexIndex, 3> v = base.FacetAt(by);
-      refusing_.Add(
-          by, Know(v, {base.position(v[0]), base.position(v[1]), base.position(v[2])}, x, sliver));
+      refusing_.Add(by, Know(v, {base.position(v[0]), base.position(v[1]), base.position(v[2])}, x,
+                             sliver, complex_.slivers.IsOutside(by.simplex)));
       return true;
     }
   }

@@ -37,6 +37,10 @@ class IdleStars {
   // Records the reads of v's Complete if it certainly has no work. Else returns false and records
   // nothing. `link`: of v in the triangulation.
   bool Read(Context& context, VertexIndex v, double reach, const Link& link) const;
+  // 3D, untraced. Has v certainly no work, now and later? Cells only shrink, and an edge that comes
+  // is its newborn's. So if nothing of v's cell is missing on a facet, and no edge of v that there
+  // is has a gap, no later Complete of v makes anything.
+  bool IsDone(VertexIndex v, const Link& link) const;
 
  private:
   bool AddBallsOf(const Link& link, double reach, ReadCover<D>* cover, double* doubt) const;
@@ -79,6 +83,24 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     for (int k = 0; k < D; ++k) box.lo[k] -= doubt, box.hi[k] += doubt;
     complex_.Subscribe(context, box);
     return true;
+  }
+  return false;
+}
+
+// The cell lies in a ball about v, which meets no facet but v's own. Spheres are known
+// (MayHaveGap). A star computes at most a relative 4e-9 more for a corner (space_star.cc).
+template <int D, template <class> class E>
+bool IdleStars<D, E>::IsDone(VertexIndex v, const Link& link) const {
+  if constexpr (D == 3 && !kTraced) {
+    if (!complex_.by_edge() || !complex_.sizing.empty() || MayHaveGap(v, link)) return false;
+    double far2 = 0;
+    for (const auto t : link.simplices) {
+      far2 = std::max(far2, complex_.run.triangulation().SphereOf(t).high);
+    }
+    const double far = std::sqrt(far2) * kWider + 4 * complex_.rules.ulp();
+    return !complex_.facets.AnyNear(
+        complex_.vertex(v).p, far, kNothingHidden,
+        [&](const Facet& facet) { return !complex_.IsOnFacet(v, facet); });
   }
   return false;
 }

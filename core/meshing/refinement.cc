@@ -136,6 +136,11 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   parts_->input.RemoveFacet(index);
 }
 
+template <int D, template <class> class E>
+void Refinement<D, E>::OnlyInside() {
+  parts_->sliver_base.OnlyInside();
+}
+
 // --- Results ----------------------------------------------------------------------------
 
 template <int D, template <class> class E>

@@ -92,6 +92,10 @@ class Refinement final : public EditableSink<D>, public MeshSource<D> {
                       FeatureSlot feature) override;
   void RemoveFacet(FacetIndex index) override;
 
+  // 3D. Slivers outside of what facets enclose are left (SliverBase::OnlyInside). Call before the
+  // only propagation.
+  void OnlyInside();
+
   // Runs what is due, for the first time or again. `interrupt()` is called before each operation,
   // and before the base of cures follows the mesh; if it returns true, Propagate returns false. See
   // sac::Engine::Propagate.

@@ -52,6 +52,7 @@ enum class RefinementTerm {
   kCureKeepsFacets,    // a facet may be broken
   kCureKeepsSegments,  // a subsegment may be encroached on
   kExemptAreCured,     // slivers at small angles of the input stay
+  kFacetsEnclose,      // facets enclose nothing, if only what they enclose counts
   kCount,
 };
 

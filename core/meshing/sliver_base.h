@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/facet_membership.h"
 #include "core/meshing/neighbours.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/sliver_table.h"
 
 namespace dynmesh::meshing {
@@ -25,6 +30,10 @@ class SliverBase {
   SliverBase(Complex<D, E>& complex, EngineOf<D, E>& engine, Triangulation* domain)
       : complex_(complex), engine_(engine), domain_(domain) {}
 
+  // From now on tetrahedra outside of what facets enclose are no slivers, if anything is enclosed:
+  // for a mesh from scratch of which the inside alone is kept. What is outside is no local
+  // question.
+  void OnlyInside() { only_inside_ = true; }
   // Brings the base up to date and requests the cures that are due. From scratch the base is the
   // triangulation that refinement read neighbourhoods from, if it has all vertices. False if it
   // was interrupted.
@@ -33,6 +42,7 @@ class SliverBase {
  private:
   bool Fill(Triangulation* base, absl::FunctionRef<bool()> interrupt) const;
   void Follow();
+  bool FindOutside(const TriangulationOf<D>& base, absl::FunctionRef<bool()> interrupt);
   auto IsSeditious() const {
     return [this](VertexIndex v, VertexIndex u) { return complex_.IsSeditious(v, u); };
   }
@@ -43,6 +53,7 @@ class SliverBase {
   Complex<D, E>& complex_;
   EngineOf<D, E>& engine_;
   Triangulation* const domain_;
+  bool only_inside_ = false;
 };
 
 // --- Implementation -------------------------------------------------------------------------
@@ -65,6 +76,7 @@ bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
         complex_.run.NoteFullTriangulation();
         return true;
       }
+      if (only_inside_ && !FindOutside(*base, interrupt)) return false;
       const bool is_to_change = kTraced || base == &whole;
       if (!complex_.slivers.Begin(*base, is_to_change, IsSeditious(), IsFlat(), interrupt)) {
         return false;
@@ -104,6 +116,52 @@ bool SliverBase<D, E>::Fill(TriangulationOf<D>* base, absl::FunctionRef<bool()> 
       for (const VertexIndex v : part) positions.push_back(complex_.vertex(v).p);
       base->InsertAll(part, positions);
     }
+  }
+  return true;
+}
+
+// From the hull on, through all faces that are on no facet. That leaves out what the selection of a
+// mesh's inside leaves out (mesh_data/chambers.h). False if it was interrupted.
+template <int D, template <class> class E>
+bool SliverBase<D, E>::FindOutside(const TriangulationOf<D>& base,
+                                   absl::FunctionRef<bool()> interrupt) {
+  if constexpr (D == 3) {
+    constexpr std::uint32_t kAtOnce = 4096;
+    std::vector<bool> outside(base.simplex_limit());
+    std::vector<std::uint32_t> stack;
+    std::size_t reached = 0;
+    const auto reach = [&](std::uint32_t t) {
+      if (outside[t]) return;
+      outside[t] = true;
+      ++reached;
+      stack.push_back(t);
+    };
+    const auto is_wall = [&](std::uint32_t t, int i) {
+      const auto [a, b, c] = base.FacetAt({t, i});
+      const auto beyond = base.Opposite({t, i});
+      const VertexIndex d = base.vertices(t)[static_cast<std::size_t>(i)],
+                        e = base.vertices(beyond.simplex)[static_cast<std::size_t>(beyond.index)];
+      return FacetOf(complex_, a, b, c, d) != kNil ||
+             (e != TriangulationOf<D>::kInfinite && FacetOf(complex_, a, b, c, e) != kNil);
+    };
+    for (std::uint32_t t = 0; t < base.simplex_limit(); ++t) {
+      if (t % kAtOnce == 0 && interrupt()) return false;
+      if (base.IsInfinite(t)) continue;
+      for (int i = 0; i < 4; ++i) {
+        if (base.IsInfinite(base.Opposite({t, i}).simplex) && !is_wall(t, i)) reach(t);
+      }
+    }
+    for (std::uint32_t step = 0; !stack.empty(); ++step) {
+      if (step % kAtOnce == 0 && interrupt()) return false;
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (int i = 0; i < 4; ++i) {
+        const std::uint32_t next = base.Opposite({t, i}).simplex;
+        if (base.IsInfinite(next) || outside[next]) continue;
+        if (!is_wall(t, i) || !IsOn(RefinementTerm::kFacetsEnclose)) reach(next);
+      }
+    }
+    if (reached < base.simplex_count()) complex_.slivers.SetOutside(std::move(outside));
   }
   return true;
 }

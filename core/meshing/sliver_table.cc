@@ -74,7 +74,7 @@ bool SliverTable::Begin(const Base& whole, bool is_to_change, IsExcused is_excus
   base_ = is_to_change ? &own_ : &whole;
   for (std::uint32_t t = 0; t < base_->simplex_limit(); ++t) {
     if (t % kAtOnce == 0 && interrupt()) return false;
-    if (base_->IsInfinite(t)) continue;
+    if (base_->IsInfinite(t) || IsOutside(t)) continue;
     if (is_to_change) own_.set_tag(t, 0);
     Look(t, is_excused, is_flat);
   }

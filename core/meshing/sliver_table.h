@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -67,6 +68,10 @@ class SliverTable {
   bool is_on() const { return bound_.degrees() > 0; }
   const geometry::DihedralBound& bound() const { return bound_; }
   const Base& base() const { return *base_; }
+  // These tetrahedra of the base, by index, are no slivers, and angles of new ones in their place
+  // do not matter. Call before Begin, of a base that does not change.
+  void SetOutside(std::vector<bool> outside) { outside_ = std::move(outside); }
+  bool IsOutside(std::uint32_t simplex) const { return !outside_.empty() && outside_[simplex]; }
   bool has_base() const { return base_ != nullptr; }
   const Sliver& operator[](SliverIndex i) const { return slivers_[i]; }
   sac::OpId& operations(SliverIndex i) { return slivers_[i].operations; }
@@ -106,6 +111,7 @@ class SliverTable {
   geometry::DihedralBound bound_;
   const Base* base_ = nullptr;
   Base own_;
+  std::vector<bool> outside_;  // by tetrahedron; empty: none is
   std::vector<Sliver> slivers_;
   std::vector<SliverIndex> free_, touched_;
   std::vector<std::uint32_t> fresh_;  // tetrahedra of the base just made

@@ -14,6 +14,7 @@ namespace {
 const char* FieldOfFirst(const v1::BuildMeshRequest& message) {
   if (message.has_options()) return "options";
   if (message.engine() != v1::BUILD_ENGINE_UNSPECIFIED) return "engine";
+  if (message.only_inside()) return "only_inside";
   return message.has_max_time() ? "max_time" : nullptr;
 }
 
@@ -65,6 +66,7 @@ absl::Status BuildRequest::Begin(ServiceContext& context, const v1::BuildMeshReq
   if (!max_time.ok()) return max_time.status();
   job_.options = *std::move(options);
   job_.engine = *engine;
+  job_.only_inside = first.only_inside();
   job_.max_time = *max_time;
   return absl::OkStatus();
 }

@@ -62,6 +62,7 @@ absl::StatusOr<Mesh> BuildPool::Build(const BuildJob& job) const {
   bool is_late = false;
   BuildOptions build;
   build.engine = job.engine;
+  build.only_inside = job.only_inside;
   build.max_operations = max_operations_;
   build.interrupted = [&is_late, interrupted = BatchInterrupt(job.stopped.get(), memory_->full()),
                        end = EndAfter(job.max_time), steps = 0u]() mutable {

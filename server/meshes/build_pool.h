@@ -31,6 +31,7 @@ struct BuildJob {
   std::vector<Feature> features;
   MeshOptions options;
   BuildEngine engine = BuildEngine::kDynamic;
+  bool only_inside = false;
   absl::Duration max_time = absl::InfiniteDuration();
   std::string call_id;  // of its call, for the log
   // Once true, the build ends soon, with CANCELLED.

@@ -61,6 +61,7 @@ std::span<const Mutant> Mutants() {
       R(kCureKeepsFacets, "All/PolygonHistory.*/MixtureCured10"),
       R(kCureKeepsSegments, kCures),
       R(kExemptAreCured, "Dihedral.SliversAtSmallAngles*"),
+      R(kFacetsEnclose, "OnlyInside.NoSliverStaysInside"),
   };
 #undef R
   return kAll;

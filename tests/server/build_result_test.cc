@@ -80,13 +80,15 @@ class BuildResultTest : public ServerFixture {
   BuildResultTest() { builder_ = &BuildMesh; }
 
   void ExpectSame(const std::vector<Feature>& features, const MeshOptions& options,
-                  BuildEngine engine = BuildEngine::kDynamic) {
+                  BuildEngine engine = BuildEngine::kDynamic, bool only_inside = false) {
     BuildOptions build;
     build.engine = engine;
+    build.only_inside = only_inside;
     const auto expected = BuildMesh(features, options, build);
     ASSERT_TRUE(expected.ok()) << Text(expected.status());
     BuildParams params;
     params.engine = engine;
+    params.only_inside = only_inside;
     const auto mesh = client_->BuildMesh(features, options, params);
     ASSERT_TRUE(mesh.ok()) << Text(mesh.status());
     EXPECT_EQ(mesh->dimension, expected->dimension);
@@ -132,6 +134,16 @@ TEST_F(BuildResultTest, ByTheSvrEngine) {
     options.min_dihedral = 0;
     ExpectSame(RandomPoints(dimension, 500), options, BuildEngine::kSvr);
   }
+}
+
+TEST_F(BuildResultTest, OnlyInside) {
+  StartServer();
+  MeshOptions options = OptionsOf(3);
+  options.min_dihedral = 20;
+  ExpectSame(Cube(), options, BuildEngine::kDynamic, true);
+  BuildOptions build;
+  build.only_inside = true;
+  EXPECT_NE(BuildMesh(Cube(), options, build)->hash, BuildMesh(Cube(), options)->hash);
 }
 
 TEST_F(BuildResultTest, Quadtrees) {

@@ -102,6 +102,7 @@ TEST_F(BuildTest, TheFirstMessageHasTheOptionsAndNoOther) {
   };
   EXPECT_EQ(later([](auto& m) { m.mutable_options(); }), "options");
   EXPECT_EQ(later([](auto& m) { m.set_engine(v1::BUILD_ENGINE_SVR); }), "engine");
+  EXPECT_EQ(later([](auto& m) { m.set_only_inside(true); }), "only_inside");
   EXPECT_EQ(later([](auto& m) { m.mutable_max_time(); }), "max_time");
   ExpectFreePlace();
 }

@@ -34,12 +34,13 @@ class ServerMesher final : public RemoteMesher {
   bool is_chosen() const override { return !server_.address.empty(); }
 
   absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions& options,
-                             BuildEngine engine) override {
+                             const BuildOptions& build) override {
     const auto client = Connect(server_);
     if (!client.ok()) return client.status();
     ProgressBar bar(ErrorIsTerminal());
     client::BuildParams params;
-    params.engine = engine;
+    params.engine = build.engine;
+    params.only_inside = build.only_inside;
     params.progress = [&](const client::LoadProgress& p) {
       const bool sending = p.stage == client::LoadProgress::Stage::kSend;
       bar.Show(p.done, sending ? features.size() : p.total, WordOf(p.stage));

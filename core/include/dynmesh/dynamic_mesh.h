@@ -196,7 +196,12 @@ enum class BuildEngine : std::uint8_t {
 
 // How a mesh is built. Nothing but `engine` changes the resulting mesh.
 struct BuildOptions {
-  BuildEngine engine = BuildEngine::kDynamic;   // the mesher
+  BuildEngine engine = BuildEngine::kDynamic;  // the mesher
+  // 3D, kDynamic: the mesh is made for what its polygons enclose, and the rest is to be dropped. If
+  // anything is enclosed, outside of it no sliver gets a Steiner point: `min_dihedral` holds inside
+  // alone. All else holds outside, too. What is inside may have other Steiner points, as slivers on
+  // its border are looked at from one side. Ignored in 2D, by kSvr and for quadtrees.
+  bool only_inside = false;
   std::function<bool()> interrupted = nullptr;  // as in ApplyOptions: true gives up (CANCELLED)
   // As in ApplyOptions; of kSvr the most items of work, about one for each vertex.
   std::uint64_t max_operations = 0;
@@ -210,8 +215,8 @@ struct BuildOptions {
 };
 
 // Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of
-// `features`, `options` and `build`.engine; the order of features does not matter. It has the
-// labels of the features. Errors: those of Create and Apply.
+// `features`, `options`, `build`.engine and `build`.only_inside; the order of features does not
+// matter. It has the labels of the features. Errors: those of Create and Apply.
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
                                const BuildOptions& build = {});
 

@@ -15,9 +15,10 @@
 
 namespace dynmesh::client {
 
-// Parameters of a build. Only `engine` changes the resulting mesh.
+// Parameters of a build. Only `engine` and `only_inside` change the resulting mesh.
 struct BuildParams {
   BuildEngine engine = BuildEngine::kDynamic;  // the mesher
+  bool only_inside = false;                    // as in BuildOptions
   // The longest time that the server may compute, without sending and receiving; 0 or more. 0: the
   // server's limit.
   absl::Duration max_time = absl::ZeroDuration();
