@@ -6,7 +6,7 @@ import { Editor } from './support/edits.mjs';
 import { Random } from './support/random.mjs';
 import { Server } from './support/server.mjs';
 
-const EDITS = Number(process.env.DYNMESH_WEB_EDITS ?? 300);
+const EDITS = process.env.DYNMESH_NIGHTLY ? 1000 : 100;
 
 let server;
 let browser;

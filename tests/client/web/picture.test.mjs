@@ -290,7 +290,7 @@ test('a page that does not keep up gets joined diffs, and a page that is not see
 });
 
 test('memory stays flat over many diffs', async () => {
-  const diffs = Number(process.env.DYNMESH_WEB_DIFFS ?? 600);
+  const diffs = process.env.DYNMESH_NIGHTLY ? 10_000 : 300;
   const mesh = await server.create('heap', { box });
   const page = await browser.open(`${server.url}#mesh=heap`, {
     width: 640,
