@@ -24,8 +24,8 @@ class HttpListener {
   // Bytes of a request's head, and of what follows it.
   static constexpr std::size_t kMostRequestBytes = 16 << 10;
 
-  // The bytes to send for a request. The request is what came up to its first empty line, or up to
-  // its end. Called on two threads, also concurrently.
+  // The bytes to send for a request. The request is what came until there was an empty line in it,
+  // or until the client's end. Called on two threads, also concurrently.
   using Answer = std::function<std::string(std::string request)>;
 
   // Listens. Errors as of ListenOn. `port` 0 picks a free one.

@@ -40,9 +40,16 @@ struct MetricsHttp::Impl {
     return PlainReply(404, "there are /metrics, /healthz and /readyz\n");
   }
 
-  // `bytes`: what came up to the first empty line. A body, of any length, is not looked at.
+  // `bytes`: a request's head, with what came behind it. That is not looked at.
   std::string AnswerBytes(absl::string_view bytes) const {
-    const HttpHead head = ParseHttpHead(bytes, std::numeric_limits<std::size_t>::max());
+    constexpr absl::string_view kEnd = "\r\n\r\n";
+    const std::size_t end = bytes.find(kEnd);
+    HttpHead head;
+    head.error = 400;
+    if (end != absl::string_view::npos) {
+      head = ParseHttpHead(bytes.substr(0, end + kEnd.size()),
+                           std::numeric_limits<std::size_t>::max());
+    }
     const HttpReply reply = head.error != 0 ? Refusal(head.error) : Answer(head.request);
     const bool is_whole = head.request.method != "HEAD";
     return absl::StrCat(HttpReplyHead(reply, /*closes=*/true, /*is_chunked=*/false),

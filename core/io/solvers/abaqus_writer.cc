@@ -1,7 +1,10 @@
 #include "core/io/solvers/abaqus_writer.h"
 
 #include <array>
+#include <charconv>
+#include <cstddef>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,6 +33,18 @@ void WriteNumbers(const Numbers& numbers, FileWriter& out) {
     ++i;
   }
   out << '\n';
+}
+
+// As many of the number's digits as fit into the field that programs read.
+std::string_view Fitting(double value, std::array<char, 32>& text) {
+  constexpr std::ptrdiff_t kWidth = 20;
+  char* const begin = text.data();
+  char* const most = begin + text.size();
+  char* end = std::to_chars(begin, most, value).ptr;
+  for (int digits = 16; end - begin > kWidth; --digits) {
+    end = std::to_chars(begin, most, value, std::chars_format::general, digits).ptr;
+  }
+  return {begin, static_cast<std::size_t>(end - begin)};
 }
 
 // The vertices of facets, with midpoints if there are any.
@@ -64,9 +79,12 @@ class AbaqusFile {
 
   void Write() {
     out_ << "*NODE\n";
+    std::array<char, 32> digits;
     for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) {
       const IndexedMesh::Vertex& v = mesh_.vertices[i];
-      out_ << i + 1 << ", " << v.x << ", " << v.y << ", " << v.z << '\n';
+      out_ << i + 1;
+      for (const double c : v.position()) out_ << ", " << Fitting(c, digits);
+      out_ << '\n';
     }
     for (std::size_t k = 0; k < parts_.regions.size(); ++k) {
       out_ << "*ELEMENT, TYPE=" << kTypeOf[mesh_.order() - 1][mesh_.dimension]

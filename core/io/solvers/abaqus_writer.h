@@ -10,7 +10,9 @@
 namespace dynmesh::io {
 
 // Rows in the order of the mesh, from 1:
-//   *NODE     x, y, z
+//   *NODE     x, y, z; of at most 20 characters, as programs read no more: what is longer is
+//   rounded
+//             to the digits that fit, 13 at least
 //   *ELEMENT  a block a region, in the set of its name: CPS3 (plane stress) and C3D4, of order 2
 //             CPS6 and C3D10
 //   *NSET     for each set of named_facets.h, the vertices on it, ascending; of order 2 with

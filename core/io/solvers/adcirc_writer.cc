@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/match.h"
 #include "core/base/text.h"
@@ -40,20 +41,24 @@ double AreaOf(const IndexedMesh& mesh, const Chain& chain) {
   return area;
 }
 
-// A closed chain as its open and its other parts.
-void Split(Chain loop, bool is_outer, const absl::flat_hash_set<DirectedEdge>& open,
-           Boundaries& boundaries) {
-  const auto is_open = [&](std::size_t i) { return open.contains({loop[i], loop[i + 1]}); };
+using OpenEdges = absl::flat_hash_map<DirectedEdge, std::size_t>;  // with the number of their set
+
+// A closed chain as its open parts, a part a set, and the rest.
+void Split(Chain loop, bool is_outer, const OpenEdges& open, Boundaries& boundaries) {
+  constexpr std::size_t kLand = ~std::size_t{0};
+  const auto set_of = [&](std::size_t i) {
+    const auto it = open.find({loop[i], loop[i + 1]});
+    return it == open.end() ? kLand : it->second;
+  };
   const std::size_t edges = loop.size() - 1;
   std::size_t change = 0;
-  while (change < edges && is_open(change) == is_open((change + edges - 1) % edges)) ++change;
+  while (change < edges && set_of(change) == set_of((change + edges - 1) % edges)) ++change;
   if (change == edges) {
-    if (is_open(0)) {
-      boundaries.open.push_back({kMainland, std::move(loop)});
-      return;
-    }
-    if (!is_outer) loop.pop_back();
-    boundaries.land.push_back({is_outer ? kMainland : kIsland, std::move(loop)});
+    const bool is_land = set_of(0) == kLand;
+    const int type = is_land && !is_outer ? kIsland : kMainland;
+    // Only along a mainland the way back to the first vertex has to be listed.
+    if (!is_land || !is_outer) loop.pop_back();
+    (is_land ? boundaries.land : boundaries.open).push_back({type, std::move(loop)});
     return;
   }
   loop.pop_back();
@@ -61,20 +66,33 @@ void Split(Chain loop, bool is_outer, const absl::flat_hash_set<DirectedEdge>& o
   loop.push_back(loop[0]);
   for (std::size_t i = 0; i < edges;) {
     Chain part = {loop[i]};
-    const bool part_is_open = is_open(i);
-    for (; i < edges && is_open(i) == part_is_open; ++i) part.push_back(loop[i + 1]);
-    (part_is_open ? boundaries.open : boundaries.land).push_back({kMainland, std::move(part)});
+    const std::size_t set = set_of(i);
+    for (; i < edges && set_of(i) == set; ++i) part.push_back(loop[i + 1]);
+    (set == kLand ? boundaries.land : boundaries.open).push_back({kMainland, std::move(part)});
   }
+}
+
+// What is to be open must be on the border.
+absl::Status CheckOpen(const IndexedMesh& mesh, const Boundaries& boundaries) {
+  if (!boundaries.open.empty() || mesh.labels.features == nullptr) return absl::OkStatus();
+  for (const auto& [id, name] : mesh.labels.features->names) {
+    if (!IsOpen(name)) continue;
+    return absl::InvalidArgumentError(
+        text::Concat("no edge of the border lies on feature ", id, ", ", name,
+                     ", which its name makes an open boundary: write the inside alone"));
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Boundaries> BoundariesOf(const IndexedMesh& mesh, const NamedParts& parts) {
   std::vector<DirectedEdge> border;
-  absl::flat_hash_set<DirectedEdge> open;
-  for (FacetSet set : parts.facets) {
+  OpenEdges open;
+  for (std::size_t k = 0; k < parts.facets.size(); ++k) {
+    FacetSet set = parts.facets[k];
     std::erase_if(set.facets, [](const NamedFacet& facet) { return !facet.is_border; });
     for (const DirectedEdge& edge : EdgesOf(mesh, set)) {
       border.push_back(edge);
-      if (IsOpen(set.name)) open.insert(edge);
+      if (IsOpen(set.name)) open.emplace(edge, k);
     }
   }
   std::ranges::sort(border);
@@ -92,6 +110,7 @@ absl::StatusOr<Boundaries> BoundariesOf(const IndexedMesh& mesh, const NamedPart
     const bool is_outer = AreaOf(mesh, chain) > 0;
     Split(std::move(chain), is_outer, open, boundaries);
   }
+  if (absl::Status status = CheckOpen(mesh, boundaries); !status.ok()) return status;
   return boundaries;
 }
 

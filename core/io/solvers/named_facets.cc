@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/strings/ascii.h"
 #include "core/base/text.h"
 #include "core/io/meshes/msh_groups.h"
 #include "core/io/meshes/references.h"
@@ -152,7 +153,7 @@ std::vector<std::string> WordsOf(const std::vector<std::string>& names, std::siz
   std::set<std::string> taken;
   for (const std::string& name : names) {
     std::string word = WordOf(name, most);
-    for (int i = 2; !taken.insert(word).second; ++i) {
+    for (int i = 2; !taken.insert(absl::AsciiStrToLower(word)).second; ++i) {
       const std::string number = text::Concat("_", i);
       word = text::Concat(WordOf(name, most - number.size()), number);
     }

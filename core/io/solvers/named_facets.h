@@ -53,7 +53,8 @@ std::vector<DirectedEdge> EdgesOf(const IndexedMesh& mesh, const FacetSet& set);
 // A name for formats whose names are words of letters, digits and _ that begin with a letter, of at
 // most `most` characters. Other characters become _.
 std::string WordOf(const std::string& name, std::size_t most);
-// The words of `names`, in their order: those that are equal get numbers behind them.
+// The words of `names`, in their order: those that are equal, but for their case, which programs
+// ignore, get numbers behind them.
 std::vector<std::string> WordsOf(const std::vector<std::string>& names, std::size_t most);
 
 }  // namespace dynmesh::io

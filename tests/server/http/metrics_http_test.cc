@@ -150,9 +150,30 @@ TEST_F(MetricsHttpTest, WhatIsNoHttpEndsTheConnectionAndNotTheServer) {
     ASSERT_GE(socket, 0);
     (void)!send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     shutdown(socket, SHUT_WR);
-    ReceiveAll(socket);
+    EXPECT_NE(ParseHttp(ReceiveAll(socket)).status, 200) << bytes;
   }
   EXPECT_EQ(Get("/metrics").status, 200);
+}
+
+TEST_F(MetricsHttpTest, WhatFollowsTheHeadIsNotLookedAt) {
+  Listen();
+  const std::string head = " /metrics HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\n";
+  EXPECT_EQ(Send("POST" + head + "hello").status, 405);
+  EXPECT_EQ(Send("GET" + head + "hello").status, 200);
+  EXPECT_EQ(Send("GET" + head + "GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n").status, 200);
+}
+
+TEST_F(MetricsHttpTest, AHeadHasItsEnd) {
+  Listen();
+  for (const std::string bytes :
+       {"GET /metrics HTTP/1.1\r\nHost: x", "GET /metrics HTTP/1.1\r\nHost: x\r\n",
+        "GET /metrics HTTP/1.0\n\n"}) {
+    const int socket = ConnectHttp(http_->address());
+    ASSERT_GE(socket, 0);
+    (void)!send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    shutdown(socket, SHUT_WR);
+    EXPECT_EQ(ParseHttp(ReceiveAll(socket)).status, 400) << bytes;
+  }
 }
 
 TEST_F(MetricsHttpTest, ALineWithoutEndIsCutOff) {

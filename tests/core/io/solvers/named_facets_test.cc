@@ -126,6 +126,8 @@ TEST(NamedFacets, Words) {
   EXPECT_EQ(WordOf("abcdef", 3), "abc");
   EXPECT_EQ(WordsOf({"a b", "a_b", "a-b", "c"}, 80),
             (std::vector<std::string>{"a_b", "a_b_2", "a_b_3", "c"}));
+  EXPECT_EQ(WordsOf({"Wall", "wall", "WALL_2", "wall"}, 80),
+            (std::vector<std::string>{"Wall", "wall_2", "WALL_2_2", "wall_3"}));
   EXPECT_EQ(WordsOf({"abcdef", "abcdeg"}, 5), (std::vector<std::string>{"abcde", "abc_2"}));
 }
 

@@ -224,6 +224,46 @@ TEST(AbaqusWriter, ReadsBack) {
   }
 }
 
+// Programs read 20 characters of a number, and take what follows for nothing.
+TEST(AbaqusWriter, NumbersFitIntoTheirFields) {
+  IndexedMesh mesh = Indexed(testing::SampleMesh());
+  const double some[] = {6.123233995736766e-17,
+                         -1.2246467991473532e-16,
+                         -1.7976931348623157e308,
+                         -5e-324,
+                         -2.2250738585072014e-308,
+                         1.0 / 3,
+                         -0.00012345678901234567,
+                         123456789012345680.0,
+                         -98765.432109876543,
+                         0.1 + 0.2,
+                         -1e22,
+                         4};
+  std::size_t next = 0;
+  for (auto& v : mesh.vertices) {
+    v.x = some[next++ % std::size(some)];
+    v.y = -some[next++ % std::size(some)];
+  }
+  const TempFolder folder;
+  ASSERT_TRUE(WriteAbaqus(mesh, folder.Path("m.inp")).ok());
+  std::size_t row = 0;
+  bool in_nodes = false;
+  for (absl::string_view line : absl::StrSplit(folder.Read("m.inp"), '\n')) {
+    if (absl::StartsWith(line, "*")) in_nodes = line == "*NODE";
+    if (!in_nodes || absl::StartsWith(line, "*")) continue;
+    const std::vector<std::string> words = absl::StrSplit(line, ", ");
+    ASSERT_EQ(words.size(), 4u) << line;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LE(words[k + 1].size(), 20u) << line;
+      const double wanted = mesh.vertices[row].position()[k];
+      EXPECT_NEAR(std::stod(words[k + 1]) / (wanted == 0 ? 1 : wanted), wanted == 0 ? 0 : 1, 1e-12)
+          << line;
+    }
+    ++row;
+  }
+  EXPECT_EQ(row, mesh.vertices.size());
+}
+
 // What a .2dm and a .14 say of vertices and triangles.
 void CheckRows(const IndexedMesh& mesh, const std::vector<std::vector<double>>& nodes,
                const std::vector<Row>& triangles) {
@@ -430,6 +470,69 @@ TEST(AdcircWriter, OpenSidesAndIslands) {
       EXPECT_EQ(EdgesAlong(row, true), (std::set<DirectedEdge>{{v8, v7}, {v7, v9}, {v9, v8}}));
     }
   }
+}
+
+// The box's sides, by the place of their middles.
+IndexedMesh BoxWithNames(const std::map<std::pair<double, double>, std::string>& names) {
+  IndexedMesh mesh = Indexed(testing::SampleMesh());
+  auto labels = std::make_shared<FeatureLabels>();
+  FeatureId next = 70;
+  for (auto& e : mesh.edges) {
+    const auto& a = mesh.vertices[e.a];
+    const auto& b = mesh.vertices[e.b];
+    const auto name = names.find({(a.x + b.x) / 2, (a.y + b.y) / 2});
+    if (name == names.end()) continue;
+    e.owner = next++;
+    labels->names[e.owner] = name->second;
+  }
+  EXPECT_EQ(labels->names.size(), names.size());
+  LabelRows(labels, false, mesh);
+  return mesh;
+}
+
+TEST(AdcircWriter, EachNameIsABoundaryOfItsOwn) {
+  const IndexedMesh mesh =
+      BoxWithNames({{{12, 3}, "open east"}, {{6, 6}, "Ocean north"}, {{8, 0}, "open south"}});
+  const TempFolder folder;
+  ASSERT_TRUE(WriteAdcirc(mesh, folder.Path("m.14")).ok());
+  const Adcirc read = ReadAdcirc(folder.Read("m.14"));
+  ASSERT_EQ(read.open.size(), 3u);
+  for (const Row& row : read.open) EXPECT_EQ(row.size(), 2u);
+  ASSERT_EQ(read.land.size(), 1u);  // the west, and half of the south
+  EXPECT_EQ(read.land[0].first, 0);
+  EXPECT_EQ(read.land[0].second.size(), 3u);
+  std::set<DirectedEdge> all = EdgesAlong(read.land[0].second, false);
+  for (const Row& row : read.open) all.merge(EdgesAlong(row, false));
+  EXPECT_EQ(all.size(), 5u);
+}
+
+TEST(AdcircWriter, AnOpenBorderAllAroundHasEachVertexOnce) {
+  IndexedMesh mesh = Indexed(testing::SampleMesh());
+  auto labels = std::make_shared<FeatureLabels>();
+  labels->names[77] = "open";
+  for (auto& e : mesh.edges) {
+    if (e.owner == kBoxFeature) e.owner = 77;
+  }
+  LabelRows(labels, false, mesh);
+  const TempFolder folder;
+  ASSERT_TRUE(WriteAdcirc(mesh, folder.Path("m.14")).ok());
+  const Adcirc read = ReadAdcirc(folder.Read("m.14"));
+  EXPECT_TRUE(read.land.empty());
+  ASSERT_EQ(read.open.size(), 1u);
+  EXPECT_EQ(std::set(read.open[0].begin(), read.open[0].end()).size(), 5u);
+  EXPECT_EQ(read.open[0].size(), 5u);
+}
+
+TEST(AdcircWriter, AnOpenBoundaryInsideTheMeshIsRefused) {
+  IndexedMesh mesh = Indexed(testing::SampleMesh());
+  auto labels = std::make_shared<FeatureLabels>();
+  labels->names[30] = "open sea";
+  LabelRows(labels, false, mesh);
+  const TempFolder folder;
+  const absl::Status status = WriteAdcirc(mesh, folder.Path("m.14"));
+  EXPECT_TRUE(absl::IsInvalidArgument(status));
+  EXPECT_TRUE(absl::StrContains(status.message(), "feature 30, open sea")) << status.message();
+  EXPECT_EQ(folder.FileCount(), 0u);
 }
 
 TEST(AdcircWriter, ABorderThatTouchesItselfIsRefused) {
