@@ -1,6 +1,7 @@
 // .su2, .inp, .2dm and .14, read back by small readers, written from the formats' descriptions
 // only.
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <set>
 #include <sstream>
@@ -256,7 +257,8 @@ TEST(AbaqusWriter, NumbersFitIntoTheirFields) {
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_LE(words[k + 1].size(), 20u) << line;
       const double wanted = mesh.vertices[row].position()[k];
-      EXPECT_NEAR(std::stod(words[k + 1]) / (wanted == 0 ? 1 : wanted), wanted == 0 ? 0 : 1, 1e-12)
+      EXPECT_NEAR(std::strtod(words[k + 1].c_str(), nullptr) / (wanted == 0 ? 1 : wanted),
+                  wanted == 0 ? 0 : 1, 1e-12)
           << line;
     }
     ++row;
