@@ -425,7 +425,8 @@ class Packages(Folder):
             "/usr/share/doc/dynmesh/RUNBOOK.md",
             "/usr/share/doc/dynmesh/copyright",
             *(f"/usr/share/doc/dynmesh/copyright.lib{name}-dev"
-              for name in ("absl", "c-ares", "grpc", "protobuf", "re2")),
+              for name in ("absl", "c-ares", "grpc", "protobuf", "re2",
+                           "stdc++-" + run(CXX, "-dumpversion").split(".")[0].strip())),
         })
         for name, (mode, owner) in files.items():
             self.assertEqual(mode, "-rwxr-xr-x" if "/bin/" in name else "-rw-r--r--", name)

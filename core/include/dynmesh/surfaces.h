@@ -43,14 +43,15 @@ struct SurfaceChoices {
 
 // A loop of edges with one face.
 struct SurfaceLoop {
-  std::vector<FeatureId> points;  // each once, in order
-  double length = 0;
+  std::vector<FeatureId> points;      // each once, in order
+  double length = 0;                  // of its edges together
   std::array<double, 3> middle = {};  // the mean of the points
 };
 
 // What was done to a file.
 struct SurfaceReport {
-  bool mended = false, thinned = false;  // if neither, it is as it was read
+  bool mended = false;    // it was mended
+  bool thinned = false;   // faces finer than D needs became fewer; if neither, it is as it was read
   absl::Status found;     // what a mesh refuses of the file; of what is not mended, too
   absl::Status unfilled;  // what a mesh refuses of it with its holes filled
   double within = 0;      // D
@@ -60,16 +61,19 @@ struct SurfaceReport {
   std::optional<double> larger_tolerance = {};
   // The least tolerance that it was mended with on request, or as its mesh was too fine without.
   std::optional<double> least_tolerance = {};
-  std::size_t triangles_read = 0, triangles = 0;    // if it is thinned
-  std::size_t open_edges_read = 0, open_edges = 0;  // of 3D: with one face
-  std::vector<SurfaceLoop> open_loops;              // those left, by ascending length
-  double seconds = 0;
+  std::size_t triangles_read = 0;                            // of the file, if it is thinned
+  std::size_t triangles = 0;                                 // left of these
+  std::size_t open_edges_read = 0;                           // of a 3D file: edges with one face
+  std::size_t open_edges = 0;                                // left of these
+  std::vector<SurfaceLoop> open_loops;                       // those left, by ascending length
+  double seconds = 0;                                        // that it took
   std::vector<std::pair<std::string, std::size_t>> changes;  // "point merged", and how often
 };
 
+// A file as a mesh takes it.
 struct PreparedSurface {
-  FileInput input;
-  SurfaceReport report;
+  FileInput input;       // options and features, as of ReadInput
+  SurfaceReport report;  // what was done
 };
 
 // Reads and prepares the file at `path`: what crosses, overlaps, nearly touches or is there twice
@@ -81,9 +85,10 @@ struct PreparedSurface {
 absl::StatusOr<PreparedSurface> PrepareSurface(const std::string& path,
                                                const SurfaceChoices& choices = {});
 
+// A mesh of a file.
 struct SurfaceMesh {
-  Mesh mesh;  // as of BuildMesh: it reaches far beyond the surface
-  PreparedSurface surface;
+  Mesh mesh;                          // as of BuildMesh: it reaches far beyond the surface
+  PreparedSurface surface;            // what it was made of
   std::vector<std::string> attempts;  // why there was a second one, and others
 };
 
