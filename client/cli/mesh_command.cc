@@ -277,7 +277,9 @@ absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
-  build.only_inside = selection->IsInside();
+  // Above the default angle it would leave slivers inside that are cured otherwise.
+  build.only_inside = selection->IsInside() && options.dimension == 3 &&
+                      options.min_dihedral <= kDefaultMinDihedral3D;
   if (input->verdict && input->verdict->ok()) build.valid = **input->verdict;
   build.progress = [&](const ApplyProgress& p) { bar.Show(p.done, p.total, WordOf(p.stage)); };
   build.interrupted = [&] { return memory->IsExceeded(); };
@@ -316,6 +318,11 @@ absl::StatusOr<int> MakeAndWrite(MeshCommand& command, std::optional<std::uint64
     if (build.only_inside && mesh.ok() && mesh->simplex_count() == all && Encloses(*mesh)) {
       build.only_inside = false;  // all that is enclosed are cavities, and so all is written
       mesh = BuildWithinVolumes(make, *input);
+      bar.End();
+      if (!mesh.ok()) {
+        packed.Unpack(input->features);
+        return mesh.status();
+      }
     }
     if (!mesh.ok()) return ReportError(mesh.status());
     labels.is_part = mesh->simplex_count() != all;

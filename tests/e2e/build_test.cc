@@ -91,6 +91,7 @@ TEST_F(BuildByDaemonTest, TheCommandWritesTheFilesOfTheSameMesh) {
                                   "OFF\n8 6 0\n0 0 0\n3 0 0\n3 2 0\n0 2 0\n0.1 0.2 1\n3.2 0.2 1\n"
                                   "3.1 2.1 1\n0 2.2 1\n4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n"
                                   "4 2 3 7 6\n4 3 0 4 7\n");
+  ExpectSameAsInProcess({block});
   ExpectSameAsInProcess({block, "--min-dihedral", "20"});
   ExpectSameAsInProcess({block, "--min-dihedral", "20", "--surroundings"});
 }

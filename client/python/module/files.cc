@@ -14,6 +14,7 @@
 #include "client/preparation/facet_map.h"
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
+#include "client/python/module/progress_call.h"
 #include "client/python/module/status.h"
 #include "core/base/text.h"
 #include "core/io/formats/geometry.h"
@@ -54,10 +55,15 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
   absl::StatusOr<PreparedSurface> prepared = absl::UnknownError("");
   absl::StatusOr<std::vector<FeatureId>> of_facets = std::vector<FeatureId>();
   std::vector<std::string> attempts;
+  const py::none no_callback;
+  ProgressCall call(no_callback);  // asks for Ctrl-C
   {
     py::gil_scoped_release release;
     if (try_mesh) {
-      absl::StatusOr<SurfaceMesh> made = BuildSurface(path, choices);
+      BuildOptions build;
+      build.progress = [&](const ApplyProgress&) { call("", 0, 0); };
+      build.interrupted = [cancelled = call.cancelled()] { return cancelled->load(); };
+      absl::StatusOr<SurfaceMesh> made = BuildSurface(path, choices, build);
       if (made.ok()) {
         prepared = std::move(made->surface);
         attempts = std::move(made->attempts);
@@ -74,6 +80,7 @@ py::dict ReadSurface(const std::string& path, std::optional<double> within,
       of_facets = preparation::PolygonsOfFacets(path, geometry, prepared->report.within);
     }
   }
+  call.RaiseIf(!prepared.ok());
   const PreparedSurface value = Value(std::move(prepared));
   const SurfaceReport& report = value.report;
   py::dict told;

@@ -6,8 +6,10 @@
 //   const absl::Status status =
 //       dynmesh::WriteMesh(*inside, made->surface.input.options, "part.msh");
 //
-// It does what the command `dynmesh mesh` does. Functions are thread-safe, and results are
-// functions of the file and the choices.
+// Files are prepared as by the command `dynmesh mesh`. What differs: the command leaves out
+// cavities, shells whose faces look inward, which KeepInside keeps; and it makes no cures outside
+// (BuildOptions::only_inside). Functions are thread-safe, and results are functions of the file and
+// the choices. Preparation, some seconds of a large file, does not ask `interrupted`.
 #ifndef DYNMESH_SURFACES_H_
 #define DYNMESH_SURFACES_H_
 

@@ -93,7 +93,6 @@ void ExpectGoodInside(const std::vector<Feature>& features, const MeshOptions& o
   EXPECT_EQ(after.over_rho, after.exempt);
   EXPECT_LE(after.over_rho, before.over_rho + before.over_rho / 20 + 1);
   EXPECT_LE(after.below_dihedral, before.below_dihedral);
-  EXPECT_GE(before.below_dihedral + 5, after.below_dihedral);
   // All of it keeps rho.
   const QualityReport all = MeasureQuality(mesh, options, features);
   EXPECT_EQ(all.over_rho, all.exempt);
