@@ -23,8 +23,8 @@ import type { SlotMesh } from '../model/slot_mesh.js';
 import { halves } from './camera.js';
 import { ramps, regionColours, type Colour, type Theme } from './palette.js';
 import * as shaders from './shaders.js';
-import { STAMP_BITS, STAMPS_PER_SECOND } from './shaders.js';
-import { Table, TableWriter } from './table.js';
+import { eraOf, STAMP_BITS, STAMP_MASK, stampBits } from './stamps.js';
+import { LINE, Table, TableWriter } from './table.js';
 
 export const fills = ['change', 'quality', 'angle', 'size', 'region'] as const;
 export type Fill = (typeof fills)[number];
@@ -53,8 +53,6 @@ export interface Eye {
   /** What is above this plane is left out; from the origin. */
   clip: { axis: number; offset: number } | undefined;
 }
-
-const STAMP_MASK = (1 << STAMP_BITS) - 1;
 
 /** The number of a region's colour: 0 for none. A function of its id, so that links show the same. */
 export function regionNumber(lo: number, hi: number): number {
@@ -99,10 +97,16 @@ class Layer {
     this.object.geometry.setDrawRange(0, rows * this.verticesARow);
   }
 
+  /** All rows will be written again. */
+  renew(): void {
+    this.#isNew = true;
+  }
+
   /** Makes the table as long as the rows; true if all of them have to be written. */
-  prepare(rows: Rows): boolean {
+  prepare(rows: Rows, most: number): boolean {
     this.setCount(rows.length);
-    const all = this.table.reserve(rows.corners.length / rows.width) || this.#isNew;
+    const spare = Math.min(rows.corners.length / rows.width, most);
+    const all = this.table.reserve(spare, most) || this.#isNew;
     this.#isNew = false;
     return all;
   }
@@ -166,10 +170,15 @@ export class Picture {
   #mesh: SlotMesh | undefined;
   #origin: readonly number[] = [0, 0, 0];
   #verticesAreNew = true;
+  /** Rows that a table can have. */
+  readonly #most: number;
+  /** Of the stamps in the tables. */
+  #era = 0;
 
   constructor(canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'default' });
     this.renderer.autoClear = false;
+    this.#most = LINE * this.renderer.capabilities.maxTextureSize;
     this.writer = new TableWriter(this.renderer);
     const mesh = (shader: typeof shaders.triangles, uniforms: Uniforms): Layer['object'] =>
       new Mesh(new BufferGeometry(), shaderMaterial(shader, uniforms));
@@ -223,16 +232,45 @@ export class Picture {
     this.setCut(undefined);
   }
 
-  /** Uploads what has changed in the mesh. */
-  update(): void {
+  /** The graphics card is away, and what it had. */
+  get isLost(): boolean {
+    return this.renderer.getContext().isContextLost();
+  }
+
+  /** Stamps in the tables are so old that they have to be written again. */
+  isOld(now: number): boolean {
+    return this.#mesh !== undefined && eraOf(now) !== this.#era;
+  }
+
+  /** Uploads what has changed in the mesh; false if it has more rows than a table can have. */
+  update(now: number): boolean {
     const mesh = this.#mesh;
-    if (mesh === undefined) return;
-    this.#updateVertices(mesh);
+    if (mesh === undefined) return true;
+    const { vertices, subsegments } = mesh;
     const surface = mesh.dimension === 2 ? mesh.cells : mesh.subfacets;
-    this.#updateLayer(this.#triangles, surface, (row) => this.#writeTriangle(surface, row));
-    const { subsegments } = mesh;
-    this.#updateLayer(this.#segments, subsegments, (row) => this.#writeSegment(subsegments, row));
+    if (Math.max(2 * vertices.length, surface.length, subsegments.length) > this.#most) {
+      this.#hide();
+      mesh.settle();
+      return false;
+    }
+    if (this.isOld(now)) for (const layer of this.#layers()) layer.renew();
+    this.#era = eraOf(now);
+    this.#updateVertices(mesh);
+    this.#updateLayer(this.#triangles, surface, (row) => this.#writeTriangle(surface, row, now));
+    this.#updateLayer(this.#segments, subsegments, (row) => {
+      this.#writeSegment(subsegments, row, now);
+    });
     mesh.settle();
+    return true;
+  }
+
+  /** Draws nothing of the mesh. Its rows do not become fewer. */
+  #hide(): void {
+    for (const layer of this.#layers()) {
+      layer.setCount(0);
+      layer.renew();
+    }
+    this.#verticesAreNew = true;
   }
 
   draw(eye: Eye, look: Look, now: number, hovered: number): void {
@@ -289,7 +327,8 @@ export class Picture {
 
   #updateVertices(mesh: SlotMesh): void {
     const { vertices } = mesh;
-    const moved = this.#vertices.reserve(2 * vertices.isLive.length);
+    const spare = Math.min(2 * vertices.isLive.length, this.#most);
+    const moved = this.#vertices.reserve(spare, this.#most);
     this.#uniforms.vertices.value = this.#vertices.texture;
     this.#points.setCount(vertices.length);
     this.writer.begin(this.#vertices);
@@ -303,7 +342,7 @@ export class Picture {
   }
 
   #updateLayer(layer: Layer, rows: Rows, write: (row: number) => void): void {
-    const all = layer.prepare(rows);
+    const all = layer.prepare(rows, this.#most);
     this.writer.begin(layer.table);
     if (all) for (let row = 0; row < rows.length; ++row) write(row);
     else for (const row of rows.changed) write(row);
@@ -329,7 +368,7 @@ export class Picture {
     this.writer.write(2 * slot + 1, p, q, r, 0);
   }
 
-  #writeTriangle(rows: Rows, row: number): void {
+  #writeTriangle(rows: Rows, row: number, now: number): void {
     const { corners, tags, stamps } = rows;
     // In 3D the facets of the border would hide everything in them.
     const isHidden = rows.width === 3 && isBorder(tags[2 * row], tags[2 * row + 1]);
@@ -343,11 +382,11 @@ export class Picture {
       corners[3 * row] + 1,
       corners[3 * row + 1] + 1,
       corners[3 * row + 2] + 1,
-      (region << STAMP_BITS) | (stamps[row] & STAMP_MASK),
+      (region << STAMP_BITS) | stampBits(stamps[row], now),
     );
   }
 
-  #writeSegment(rows: Rows, row: number): void {
+  #writeSegment(rows: Rows, row: number, now: number): void {
     const { corners, tags, stamps } = rows;
     if (!rows.isLive(row)) {
       this.writer.write(row, 0, 0, 0, 0);
@@ -358,7 +397,7 @@ export class Picture {
       corners[2 * row] + 1,
       corners[2 * row + 1] + 1,
       isBorder(tags[2 * row], tags[2 * row + 1]) ? 1 : 0,
-      stamps[row] & STAMP_MASK,
+      stampBits(stamps[row], now),
     );
   }
 
@@ -388,8 +427,3 @@ export class Picture {
 /** Higher halves at 0, lower ones at 4. */
 const position = new Float32Array(8);
 const positionBits = new Uint32Array(position.buffer);
-
-/** The present time in stamps; never 0, which stands for what did not change. */
-export function stampNow(): number {
-  return 1 + (Math.floor((performance.now() / 1000) * STAMPS_PER_SECOND) % STAMP_MASK);
-}

@@ -1,10 +1,6 @@
 // The shaders fetch what they draw from tables (table.ts): no attribute is uploaded for a mesh.
+import { STAMP_BITS, STAMP_MASK, STAMPS_PER_SECOND } from './stamps.js';
 import { LINE } from './table.js';
-
-/** Stamps a second: units of the times of changes. */
-export const STAMPS_PER_SECOND = 64;
-/** Bits of a stamp in a texel; the rest is the colour of the region. */
-export const STAMP_BITS = 24;
 
 const common = `
 precision highp float;
@@ -32,7 +28,7 @@ vec3 relative(uint vertex) {
 uniform float fadeSeconds;
 float freshness(uint stamp) {
   if (stamp == 0u) return 0.0;
-  uint age = (now - stamp) & ${(1 << STAMP_BITS) - 1}u;
+  uint age = (now - stamp) & ${STAMP_MASK}u;
   return clamp(1.0 - float(age) / (${STAMPS_PER_SECOND}.0 * fadeSeconds), 0.0, 1.0);
 }
 // What is above the plane is not drawn; without a plane the normal is 0.
@@ -105,7 +101,7 @@ void main() {
     // A light at the eye.
     base *= 0.55 + 0.45 * abs(dot(normalize(cross(b - a, c - a)), eye));
   }
-  colour = mix(base, glow, freshness(texel.w & ${(1 << STAMP_BITS) - 1}u));
+  colour = mix(base, glow, freshness(texel.w & ${STAMP_MASK}u));
   if (row + 1u == hovered) colour = mix(colour, hoverColour, 0.5);
 }`,
   fragmentShader: `
