@@ -96,7 +96,7 @@ export class View {
     canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
     // What the graphics card had is gone with its context, and comes again from the mesh.
     canvas.addEventListener('webglcontextlost', () => {
-      this.picture?.setMesh(undefined, this.#origin());
+      this.picture?.lost();
       listener.undrawn(LOST_WEBGL);
     });
     canvas.addEventListener('webglcontextrestored', () => {

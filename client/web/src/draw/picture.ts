@@ -1,20 +1,25 @@
 // The picture of a mesh: tables of its vertices and of what is drawn (triangles, in 3D subfacets;
 // subsegments), and the passes over them. An update uploads what has changed and nothing else.
 import {
+  AddEquation,
   BufferAttribute,
   BufferGeometry,
   Camera,
+  CustomBlending,
   DoubleSide,
   GLSL3,
   Matrix4,
   Mesh,
+  NearestFilter,
   NoBlending,
+  OneFactor,
   Points,
   RawShaderMaterial,
   Scene,
   Vector2,
   Vector3,
   WebGLRenderer,
+  WebGLRenderTarget,
   type IUniform,
 } from 'three';
 import type { CutTriangles } from '../cut/cutter.js';
@@ -62,6 +67,10 @@ export function regionNumber(lo: number, hi: number): number {
 function isBorder(lo: number, hi: number): boolean {
   return lo === 0xffffffff && hi === 0xffffffff;
 }
+
+/** Pixels of a dot, and of the sides of the cells in which points are counted. */
+const DOT = 3;
+const CELL = 4;
 
 type Uniforms = Record<string, IUniform>;
 
@@ -130,6 +139,22 @@ function shaderMaterial(
   });
 }
 
+/** Adds up the points of each cell. */
+function counterOf(geometry: BufferGeometry, uniforms: Uniforms): Points {
+  const material = shaderMaterial(shaders.density, uniforms);
+  material.setValues({
+    blending: CustomBlending,
+    blendEquation: AddEquation,
+    blendSrc: OneFactor,
+    blendDst: OneFactor,
+    depthTest: false,
+    depthWrite: false,
+  });
+  const result = new Points(geometry, material);
+  result.frustumCulled = false;
+  return result;
+}
+
 export class Picture {
   readonly renderer: WebGLRenderer;
   readonly writer: TableWriter;
@@ -161,11 +186,21 @@ export class Picture {
     clipNormal: { value: new Vector3() },
     clipOffset: { value: 0 },
     eye: { value: new Vector3(0, 0, 1) },
+    density: { value: null },
+    cell: { value: 1 },
+    cells: { value: new Vector2(1, 1) },
   };
   #vertices = new Table(1);
   readonly #triangles: Layer;
   readonly #segments: Layer;
   readonly #points: Layer;
+  readonly #density = new WebGLRenderTarget(1, 1, {
+    minFilter: NearestFilter,
+    magFilter: NearestFilter,
+    depthBuffer: false,
+    generateMipmaps: false,
+  });
+  readonly #densityScene = new Scene();
   readonly #cut: Mesh<BufferGeometry, RawShaderMaterial>;
   #mesh: SlotMesh | undefined;
   #origin: readonly number[] = [0, 0, 0];
@@ -188,8 +223,10 @@ export class Picture {
     });
     this.#triangles = new Layer(mesh(shaders.triangles, this.#uniforms), 3);
     this.#segments = new Layer(mesh(shaders.segments, ofWidth(2)), 6);
-    const points = new Points(new BufferGeometry(), shaderMaterial(shaders.points, ofWidth(6)));
+    const points = new Points(new BufferGeometry(), shaderMaterial(shaders.points, ofWidth(DOT)));
     this.#points = new Layer(points, 1);
+    this.#uniforms.density.value = this.#density.texture;
+    this.#densityScene.add(counterOf(points.geometry, this.#uniforms));
     [this.#triangles, this.#segments, this.#points].forEach(({ object }, order) => {
       object.renderOrder = order;
       this.#scene.add(object);
@@ -217,6 +254,17 @@ export class Picture {
     this.renderer.setSize(width, height, false);
     const size = this.#uniforms.size.value as Vector2;
     this.renderer.getDrawingBufferSize(size);
+    const cell = CELL * ratio;
+    this.#uniforms.cell.value = cell;
+    const cells = this.#uniforms.cells.value as Vector2;
+    cells.copy(size).divideScalar(cell).ceil();
+    this.#density.setSize(cells.x, cells.y);
+  }
+
+  /** The graphics card is away: what it had is not there any more, and must not be deleted later. */
+  lost(): void {
+    this.setMesh(undefined, this.#origin);
+    this.#density.dispose();
   }
 
   /** Shows another mesh, with positions relative to the origin. */
@@ -301,6 +349,7 @@ export class Picture {
     this.#triangles.show(true);
     this.#segments.show(look.segments);
     this.#points.show(look.points);
+    if (this.#points.object.visible) this.#countPoints();
     // In sRGB as they are: the renderer would take a Color for a linear one.
     this.#clearTo(theme.background);
     this.renderer.render(this.#scene, this.#camera);
@@ -315,6 +364,14 @@ export class Picture {
     const sign = direction.getComponent(clip.axis) < 0 ? -1 : 1;
     normal.setComponent(clip.axis, sign);
     this.#uniforms.clipOffset.value = sign * (clip.offset - position[clip.axis]);
+  }
+
+  #countPoints(): void {
+    const gl = this.renderer.getContext();
+    this.renderer.setRenderTarget(this.#density);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.renderer.render(this.#densityScene, this.#camera);
   }
 
   #clearTo(colour: Colour): void {
@@ -419,6 +476,8 @@ export class Picture {
     this.writer.begin(this.#vertices);
     this.writer.write(0, 0, 0, 0, 0);
     this.writer.end();
+    this.#countPoints();
+    this.renderer.setRenderTarget(null);
     this.renderer.render(this.#scene, this.#camera);
     this.setMesh(undefined, this.#origin);
   }
