@@ -165,19 +165,29 @@ test('undo stops before a change of another client in between', async () => {
   assert.ok((await features()).some(({ id }) => id === '100'));
 });
 
-test('Escape ends a drag: what follows is undone by itself', async () => {
+test('Escape or the browser ends a drag: what follows is undone by itself', async () => {
   const before = (await features()).length;
-  await drag([0.2, 0.1], [0.25, 0.15], 3);
-  await page.keyboard.press('Escape');
-  await page.mouse.up();
-  let revision = await rest();
-  for (const x of [0.4, 0.5, 0.6]) {
-    await click(x, 0.05);
+  const ends = [
+    () => page.keyboard.press('Escape'),
+    () =>
+      page.$eval('#picture', (canvas) => {
+        const event = { pointerId: 1, isPrimary: true, pointerType: 'mouse' };
+        canvas.dispatchEvent(new PointerEvent('pointercancel', event));
+      }),
+  ];
+  for (const [i, end] of ends.entries()) {
+    await drag([0.2 + 0.05 * i, 0.1], [0.25 + 0.05 * i, 0.1], 3);
+    await end();
+    await page.mouse.up();
+    let revision = await rest();
+    for (const x of [0.4, 0.5, 0.6]) {
+      await click(x, 0.03 + 0.05 * i);
+      await expectRevision(++revision);
+    }
+    await page.keyboard.press('u');
     await expectRevision(++revision);
+    assert.equal((await features()).length, before + 2 * (i + 1));
   }
-  await page.keyboard.press('u');
-  await expectRevision(++revision);
-  assert.equal((await features()).length, before + 2);
 });
 
 test('a right click edits nothing', async () => {
@@ -189,16 +199,26 @@ test('a right click edits nothing', async () => {
   await expectRevision(revision + 1);
 });
 
-test('sizes of other clients take no id from this page', async () => {
+test('a point whose id a size of another client has gets another id', async () => {
   let { revision } = await figures(page);
   const size = { point: { x: 0.05, y: 0.95 }, target: 0.1 };
-  const most = (await features()).reduce((id, f) => (BigInt(f.id) > id ? BigInt(f.id) : id), 0n);
-  await server.edit(mesh, [{ add: { id: `${most + 1n}`, size } }]);
+  await server.edit(mesh, [{ add: { id: '4242', size } }]);
   await expectRevision(++revision);
+  await page.evaluate(() => {
+    const random = crypto.getRandomValues.bind(crypto);
+    crypto.getRandomValues = (array) => {
+      if (array.length !== 2) return random(array);
+      delete crypto.getRandomValues;
+      array.set([0, 4242]);
+      return array;
+    };
+  });
   await click(0.95, 0.05);
   await expectRevision(++revision);
   assert.equal(await page.$eval('#notice', ({ hidden }) => hidden), true);
-  await server.edit(mesh, [{ remove: `${most + 1n}` }]);
+  const { size: kept } = (await features()).find(({ id }) => id === '4242');
+  assert.deepEqual(kept, size);
+  await server.edit(mesh, [{ remove: '4242' }]);
   await expectRevision(++revision);
 });
 

@@ -245,3 +245,25 @@ test('without WebGL the page says so, and has the rest', async () => {
   );
   await page.close();
 });
+
+test('statistics that a hidden tab has cut off are made when it is seen again', async () => {
+  const mesh = await server.create('survey', { box: { lo: { x: 0, y: 0 }, hi: { x: 1, y: 1 } } });
+  const page = await browser.open(`${server.url}#mesh=survey`);
+  await atRevision(page, 0);
+  await page.waitForSelector('#panel figure');
+  const revision = await server.edit(mesh, [{ add: { id: '1', point: { x: 0.3, y: 0.2 } } }]);
+  await atRevision(page, revision);
+  await page.evaluate(() => {
+    for (const figure of document.querySelectorAll('#panel figure')) figure.className = 'old';
+    Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+    document.dispatchEvent(new Event('visibilitychange'));
+  });
+  await sleep(1500); // the survey is due within a second
+  await page.evaluate(() => {
+    delete document.hidden;
+    document.dispatchEvent(new Event('visibilitychange'));
+  });
+  await page.waitForSelector('#panel figure:not(.old)');
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});

@@ -26,7 +26,7 @@ export class MeshList {
     },
   ) {
     setInterval(() => {
-      if (!document.hidden) void this.refresh();
+      if (!document.hidden && !this.#isBusy) void this.refresh();
     }, INTERVAL_MS);
   }
 
