@@ -71,6 +71,15 @@ async function drag(from, to, steps) {
   await page.mouse.move(end.x, end.y, { steps });
 }
 
+async function pointAt(x, y) {
+  for (let tries = 0; ; ++tries) {
+    const points = (await features()).flatMap(({ point }) => (point ? [point] : []));
+    if (points.some((point) => isAt(point, x, y))) return;
+    assert.ok(tries < 200, JSON.stringify(points));
+    await sleep(50);
+  }
+}
+
 /** The revision that the server has when it has had no edit for a while. */
 async function rest() {
   for (let last = -1, quiet = 0; ; ++quiet) {
@@ -107,10 +116,8 @@ test('points are added, dragged, removed; undone and done again', async () => {
   await page.mouse.up();
   await page.waitForFunction(() => window.__dynmesh.revision > 2);
   // Wherever the drag was joined, its end is the last move.
-  for (let tries = 0; !(await hasPoints([0.3, 0.3], [0.6, 0.7])); ++tries) {
-    assert.ok(tries < 100, JSON.stringify(await features()));
-    await sleep(50);
-  }
+  await pointAt(0.6, 0.7);
+  assert.ok(await hasPoints([0.3, 0.3], [0.6, 0.7]));
   const dragged = await rest();
   assert.ok(dragged <= 2 + 13);
   await expectRevision(dragged);
@@ -166,6 +173,7 @@ test('undo stops before a change of another client in between', async () => {
 });
 
 test('Escape or the browser ends a drag: what follows is undone by itself', async () => {
+  await choose('points');
   const before = (await features()).length;
   const ends = [
     () => page.keyboard.press('Escape'),
@@ -179,6 +187,7 @@ test('Escape or the browser ends a drag: what follows is undone by itself', asyn
     await drag([0.2 + 0.05 * i, 0.1], [0.25 + 0.05 * i, 0.1], 3);
     await end();
     await page.mouse.up();
+    await pointAt(0.25 + 0.05 * i, 0.1); // the last move of the drag
     let revision = await rest();
     for (const x of [0.4, 0.5, 0.6]) {
       await click(x, 0.03 + 0.05 * i);
@@ -191,15 +200,19 @@ test('Escape or the browser ends a drag: what follows is undone by itself', asyn
 });
 
 test('a right click edits nothing', async () => {
+  await choose('points');
   const { revision } = await figures(page);
   const at = await pixel(0.7, 0.03);
   await page.mouse.click(at.x, at.y, { button: 'right' });
   await page.keyboard.press('Escape');
   await click(0.75, 0.03);
+  await atRevision(page, revision + 1);
+  assert.equal(await rest(), revision + 1);
   await expectRevision(revision + 1);
 });
 
 test('a point whose id a size of another client has gets another id', async () => {
+  await choose('points');
   let { revision } = await figures(page);
   const size = { point: { x: 0.05, y: 0.95 }, target: 0.1 };
   await server.edit(mesh, [{ add: { id: '4242', size } }]);
