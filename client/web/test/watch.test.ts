@@ -2,7 +2,9 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test, vi } from 'vitest';
 import { MeshDiffSchema, SnapshotChunkSchema } from '../gen/dynmesh/v1/mesh_pb.js';
 import { WatchEventSchema, type WatchEvent } from '../gen/dynmesh/v1/mesh_service_pb.js';
+import { addedBy } from '../src/model/difference.js';
 import { Replica } from '../src/model/replica.js';
+import { SlotMesh } from '../src/model/slot_mesh.js';
 import type { Service } from '../src/service/client.js';
 import { Watch } from '../src/service/watch.js';
 
@@ -13,15 +15,23 @@ function snapshot(): WatchEvent {
   return create(WatchEventSchema, { event: { case: 'snapshot', value } });
 }
 
-function diff(from: bigint, to: bigint, more: boolean): WatchEvent {
-  const value = create(MeshDiffSchema, {
-    dimension: 2,
-    fromRevision: from,
-    toRevision: to,
-    hash,
-    more,
+/** The first part of a diff, with all that it brings, and the last one. */
+function parts(): WatchEvent[] {
+  const both = { dimension: 2, toRevision: 1n };
+  const first = create(MeshDiffSchema, {
+    ...both,
+    more: true,
+    addedVertices: {
+      ids: Uint8Array.from([7, 0, 0, 0, 0, 0, 0, 0]),
+      coordinates: new Uint8Array(16),
+      containingDimensions: Uint8Array.from([2]),
+      owners: Uint8Array.from([0]),
+    },
   });
-  return create(WatchEventSchema, { event: { case: 'diff', value } });
+  const mesh = new SlotMesh(2);
+  mesh.apply([], [addedBy(first)], 1);
+  const last = create(MeshDiffSchema, { ...both, hash: mesh.hash() });
+  return [first, last].map((value) => create(WatchEventSchema, { event: { case: 'diff', value } }));
 }
 
 test('a run that was stopped leaves the parts alone that another one takes', async () => {
@@ -32,10 +42,7 @@ test('a run that was stopped leaves the parts alone that another one takes', asy
   vi.spyOn(performance, 'now').mockImplementation(() => (now += 100));
   const turn = () => new Promise((resolve) => setTimeout(resolve, 5));
   const states: string[] = [];
-  const streams: WatchEvent[][] = [
-    [snapshot(), diff(0n, 1n, true), diff(0n, 1n, false)],
-    [diff(0n, 1n, true), diff(0n, 1n, false)],
-  ];
+  const streams: WatchEvent[][] = [[snapshot(), ...parts()], parts()];
   const service = {
     async *watch(_: unknown, { signal }: { signal: AbortSignal }) {
       for (const event of streams.shift() ?? []) {
