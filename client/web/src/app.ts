@@ -9,7 +9,8 @@ import { placesOf } from './model/picking.js';
 import type { SlotMesh } from './model/slot_mesh.js';
 import { connect, setToken, token, type Service } from './service/client.js';
 import { Editor, type Refusal } from './service/editor.js';
-import { messageOf, Watch, type Connection } from './service/watch.js';
+import { mayRetry, messageOf, Pauses, sleep } from './service/retry.js';
+import { Watch, type Connection } from './service/watch.js';
 import { Controls } from './ui/controls.js';
 import { save, svgOf } from './ui/download.js';
 import { keyHelp, listenTo, type Keys } from './ui/keys.js';
@@ -24,6 +25,9 @@ import { Tools } from './ui/tools.js';
 import { View, type Box } from './view.js';
 
 const FADE_SECONDS = 3;
+
+/** What a notice is about; there is one of each at most. */
+type Topic = 'edit' | 'picture' | 'connection' | 'list';
 
 export class App {
   readonly service: Service = connect();
@@ -43,7 +47,10 @@ export class App {
   readonly #timeline: Timeline;
   readonly #tools: Tools;
   readonly #overlay: Overlay;
+  readonly #notices = new Map<Topic, string>();
   #editor: Editor | undefined;
+  /** Meshes that were chosen: what comes for one before the last is dropped. */
+  #generation = 0;
   /** Where the last edit was. */
   #editedAt: Place | undefined;
   readonly #statistics: Statistics;
@@ -91,10 +98,13 @@ export class App {
       grabbed: (place) => this.#tools.down(place, this.view.plane.scale),
       dragged: (place) => this.#tools.drag(place),
       dropped: () => this.#tools.up(),
+      cancelled: () => this.#tools.cancel(),
+      undrawn: (reason) => this.#notify('picture', reason),
       settled: () => this.#rememberView(),
     });
     this.#list = new MeshList(this.service, byId('meshes', HTMLElement), {
-      failed: (error) => this.#failed(error),
+      failed: (error) => this.#failed('list', error),
+      refreshed: () => this.#notify('list', ''),
       only: (mesh) => {
         if (this.link.mesh !== '') return;
         history.replaceState(null, '', writeLink({ ...this.link, mesh }));
@@ -119,8 +129,14 @@ export class App {
       this.#applyView();
       return;
     }
+    const generation = ++this.#generation;
     this.watch?.stop();
     this.watch = undefined;
+    this.#editor?.close();
+    this.#editor = undefined;
+    this.#overlay.marks = [];
+    this.#notify('edit', '');
+    this.#connected('ended', '');
     this.replica = new Replica();
     this.isPaused = false;
     this.#shown = undefined;
@@ -129,30 +145,38 @@ export class App {
     this.#tools.setMesh(undefined, undefined);
     this.#showFigures();
     this.#title.textContent = link.mesh === '' ? 'No mesh chosen' : link.mesh;
-    if (link.mesh !== '') await this.#open(link.mesh);
+    if (link.mesh !== '') await this.#open(link.mesh, generation);
   }
 
-  async #open(id: string): Promise<void> {
+  /** Asks for the mesh until the server says what it is, or another one is chosen. */
+  async #open(id: string, generation: number): Promise<void> {
     const name = `meshes/${id}`;
-    try {
-      const { options, revision } = await this.service.getMesh({ mesh: name });
-      if (this.link.mesh !== id) return;
-      this.replica.openedAt = revision;
-      this.#options = options;
-      this.view.setBox(boxOf(options));
-      this.#applyView();
-      this.#showControls();
-      this.view.setLook(this.#look());
-    } catch (error) {
-      this.#failed(error);
-      return;
+    const pauses = new Pauses();
+    this.#connected('connecting', '');
+    for (;;) {
+      try {
+        const { options, revision } = await this.service.getMesh({ mesh: name });
+        if (generation !== this.#generation) return;
+        this.#show(options, revision);
+        break;
+      } catch (error) {
+        if (generation !== this.#generation) return;
+        this.#connected(mayRetry(error) ? 'lost' : 'ended', messageOf(error));
+        if (!mayRetry(error)) {
+          this.#askForTokenAfter(error);
+          return;
+        }
+        await sleep(pauses.next());
+        if (generation !== this.#generation) return;
+      }
     }
     this.#editor = new Editor(this.service, name, {
       applied: () => {
-        this.#notify('');
+        this.#notify('edit', '');
         this.#tools.update();
       },
       refused: (refusal) => this.#refused(refusal),
+      renamed: (from, to) => this.#tools.renamed(from, to),
     });
     const { replica } = this;
     this.watch = new Watch(
@@ -161,12 +185,25 @@ export class App {
       replica,
       {
         changed: () => this.#changed(replica),
-        connection: (state, reason) => this.#connected(state, reason),
-        loading: (share) => this.#loading(share),
+        connection: (state, reason) => {
+          if (generation === this.#generation) this.#connected(state, reason);
+        },
+        loading: (share) => {
+          if (generation === this.#generation) this.#loading(share);
+        },
       },
       () => this.view.stamp(),
     );
     this.#wakeOrSleep();
+  }
+
+  #show(options: MeshOptions | undefined, revision: bigint): void {
+    this.replica.openedAt = revision;
+    this.#options = options;
+    this.view.setBox(boxOf(options));
+    this.#applyView();
+    this.#showControls();
+    this.view.setLook(this.#look());
   }
 
   /** A page that is not seen watches nothing. */
@@ -213,7 +250,7 @@ export class App {
   #connected(state: Connection, reason: string): void {
     this.connection = state;
     this.#showStatus(reason);
-    this.#notify(state === 'ended' || state === 'lost' ? reason : '');
+    this.#notify('connection', state === 'ended' || state === 'lost' ? reason : '');
   }
 
   #loading(share: number): void {
@@ -374,7 +411,7 @@ export class App {
   #deselect(): void {
     this.#overlay.marks = [];
     this.#tools.cancel();
-    this.#notify('');
+    this.#notify('edit', '');
     this.#selected = -1;
     this.#showTriangle(this.view.hovered);
   }
@@ -389,7 +426,7 @@ export class App {
   #saveSvg(): void {
     const { mesh } = this.replica;
     if (mesh?.dimension !== 2) {
-      this.#notify('A picture of vectors is made of meshes in 2D.');
+      this.#notify('edit', 'A picture of vectors is made of meshes in 2D.');
       return;
     }
     const text = svgOf(mesh, this.view.plane, this.#look());
@@ -431,37 +468,45 @@ export class App {
     this.view.invalidate();
   }
 
-  #failed(error: unknown): void {
-    const { code } = ConnectError.from(error);
-    if (code === Code.Unauthenticated) this.#askForToken();
-    this.#notify(messageOf(error));
+  #failed(topic: Topic, error: unknown): void {
+    this.#askForTokenAfter(error);
+    this.#notify(topic, messageOf(error));
   }
 
-  #askForToken(): void {
+  #askForTokenAfter(error: unknown): void {
+    if (ConnectError.from(error).code !== Code.Unauthenticated) return;
     const nav = byId('meshes', HTMLElement);
     if (nav.querySelector('form') !== null) return;
     const input = element('input', { type: 'password', autocomplete: 'off' });
     input.value = token() ?? '';
+    const problem = element('p', { role: 'alert', class: 'bad' });
     const form = element(
       'form',
       {},
       element('label', {}, 'Token ', input),
       element('button', { type: 'submit' }, 'Use'),
+      problem,
     );
     form.addEventListener('submit', (event) => {
       event.preventDefault();
-      setToken(input.value);
+      if (!setToken(input.value.trim())) {
+        problem.textContent = 'A token has letters without accents, digits and signs only.';
+        return;
+      }
       form.remove();
-      this.#notify('');
       void this.#list.refresh();
-      void this.#follow(this.link);
+      // A watch that has ended begins again; a mesh that was not opened is.
+      if (this.watch === undefined) void this.#follow(this.link);
+      else this.#wakeOrSleep();
     });
     nav.prepend(form);
   }
 
   /** Shows what the server says at the places of the features that it names. */
   #refused({ message, features }: Refusal): void {
-    this.#notify(message);
+    this.#notify('edit', message);
+    this.#tools.refused();
+    this.#tools.update();
     const { mesh } = this.replica;
     if (mesh?.dimension !== 2) return;
     const named = features.flatMap((id) => placesOf(mesh, id, 32));
@@ -469,9 +514,14 @@ export class App {
     this.view.invalidate();
   }
 
-  #notify(text: string): void {
-    this.#notice.textContent = text;
-    this.#notice.hidden = text === '';
+  /** Says this, or with an empty text nothing more of the topic. */
+  #notify(topic: Topic, text: string): void {
+    if ((this.#notices.get(topic) ?? '') === text) return;
+    if (text === '') this.#notices.delete(topic);
+    else this.#notices.set(topic, text);
+    // Of one cause more than one part may complain.
+    this.#notice.textContent = [...new Set(this.#notices.values())].join('\n');
+    this.#notice.hidden = this.#notices.size === 0;
   }
 }
 

@@ -56,7 +56,7 @@ export function setHooks(app: App): void {
       };
     },
     get bytesUploaded() {
-      return app.view.picture.writer.bytes;
+      return app.view.picture?.writer.bytes ?? 0;
     },
     get milliseconds() {
       return { take: app.watch?.takeMs ?? 0, update: app.view.updateMs };
@@ -65,7 +65,8 @@ export function setHooks(app: App): void {
     freeze: (isFrozen) => app.view.freeze(isFrozen),
     colours(pixels) {
       app.view.drawNow();
-      const gl = app.view.picture.renderer.getContext();
+      const gl = app.view.picture?.renderer.getContext();
+      if (gl === undefined) return [];
       const ratio = devicePixelRatio;
       return pixels.map(({ x, y }) => {
         const pixel = new Uint8Array(4);

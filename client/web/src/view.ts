@@ -4,8 +4,8 @@ import { Matrix4, Vector3 } from 'three';
 import { PlaneCamera, type Pixel, type Place } from './draw/camera.js';
 import { OrbitCamera } from './draw/orbit.js';
 import { CutClient } from './cut/client.js';
-import { Picture, stampNow, type Eye, type Look } from './draw/picture.js';
-import { STAMPS_PER_SECOND } from './draw/shaders.js';
+import { Picture, type Eye, type Look } from './draw/picture.js';
+import { stampNow, STAMPS_PER_SECOND } from './draw/stamps.js';
 import { triangleAt } from './model/picking.js';
 import type { SlotMesh } from './model/slot_mesh.js';
 
@@ -20,13 +20,21 @@ export interface ViewListener {
   clicked(row: number, place: Place): void;
   /** The camera stands still again. */
   settled(): void;
+  /** Why there is no picture, or only a part of it; empty if all is drawn. */
+  undrawn(reason: string): void;
   /** A frame was drawn. */
   drawn(): void;
   /** True if something but the camera takes the drag that begins here. */
   grabbed(place: Place): boolean;
   dragged(place: Place): void;
   dropped(): void;
+  /** The browser has taken the drag away. */
+  cancelled(): void;
 }
+
+const NO_WEBGL = 'There is no picture: this browser has no WebGL 2, or does not allow it.';
+const LOST_WEBGL = 'There is no picture: the browser has lost the graphics card.';
+const TOO_LARGE = 'There is no picture: the mesh is larger than this graphics card can draw.';
 
 /** Pixels that a pointer may move in a click. */
 const CLICK = 4;
@@ -37,7 +45,8 @@ const REST_MS = 80;
 export class View {
   readonly plane = new PlaneCamera();
   readonly orbit = new OrbitCamera();
-  readonly picture: Picture;
+  /** Undefined without WebGL 2. */
+  readonly picture: Picture | undefined;
   readonly #cut: CutClient;
   /** An axis, and where between the sides of the box the plane is. */
   #clip: { axis: number; share: number } | undefined;
@@ -53,8 +62,12 @@ export class View {
   /** Until when something glows, in milliseconds. */
   #glowsUntil = 0;
   #frozenAt: number | undefined;
+  /** The picture has all of the mesh. */
+  #isWhole = true;
   readonly #pointers = new Map<number, Pixel>();
   #moved = 0;
+  /** The button that was pressed first. */
+  #button = 0;
   #pointer: Pixel | undefined;
   #isGrabbed = false;
   #rest: ReturnType<typeof setTimeout> | undefined;
@@ -64,11 +77,12 @@ export class View {
     public look: Look,
     private readonly listener: ViewListener,
   ) {
-    this.picture = new Picture(canvas);
+    this.picture = pictureOn(canvas);
+    if (this.picture === undefined) listener.undrawn(NO_WEBGL);
     this.#cut = new CutClient(
       () => this.#origin(),
       (triangles) => {
-        this.picture.setCut(this.#cut.isOn ? triangles : undefined);
+        this.picture?.setCut(this.#cut.isOn ? triangles : undefined);
         this.invalidate();
       },
     );
@@ -77,9 +91,19 @@ export class View {
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
     canvas.addEventListener('pointermove', (event) => this.#move(event));
     canvas.addEventListener('pointerup', (event) => this.#up(event));
-    canvas.addEventListener('pointercancel', (event) => this.#pointers.delete(event.pointerId));
+    canvas.addEventListener('pointercancel', (event) => this.#cancel(event));
     canvas.addEventListener('pointerleave', () => this.#leave());
     canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
+    // What the graphics card had is gone with its context, and comes again from the mesh.
+    canvas.addEventListener('webglcontextlost', () => {
+      this.picture?.lost();
+      listener.undrawn(LOST_WEBGL);
+    });
+    canvas.addEventListener('webglcontextrestored', () => {
+      listener.undrawn('');
+      this.#isWhole = true;
+      this.#fill();
+    });
   }
 
   get isSpace(): boolean {
@@ -99,7 +123,12 @@ export class View {
   setMesh(mesh: SlotMesh | undefined): void {
     this.#mesh = mesh;
     this.hovered = -1;
-    this.picture.setMesh(mesh, this.#origin());
+    this.#fill();
+  }
+
+  /** Gives the picture all of the mesh. */
+  #fill(): void {
+    this.picture?.setMesh(this.#mesh, this.#origin());
     this.#meshChanged = true;
     this.setClip(this.#clip);
   }
@@ -112,7 +141,7 @@ export class View {
       this.#mesh,
       clip && offset !== undefined ? { axis: clip.axis, offset } : undefined,
     );
-    if (!this.#cut.isOn) this.picture.setCut(undefined);
+    if (!this.#cut.isOn) this.picture?.setCut(undefined);
     this.invalidate();
   }
 
@@ -178,20 +207,31 @@ export class View {
 
   drawNow(): void {
     const begin = performance.now();
+    const { picture } = this;
+    const now = this.stamp();
     const changed = this.#meshChanged;
     if (changed) {
       this.#meshChanged = false;
       this.#cut.changed();
-      this.picture.update();
       this.#hoverSoon();
     }
-    this.picture.draw(this.#eye(), this.look, this.stamp(), this.hovered);
+    if (picture === undefined) this.#mesh?.settle();
+    else if (!picture.isLost) {
+      if (changed || picture.isOld(now)) this.#update(picture, now);
+      picture.draw(this.#eye(), this.look, now, this.hovered);
+    }
     ++this.frames;
     this.listener.drawn();
     if (changed) this.updateMs = performance.now() - begin;
     // One frame more than the glow lasts shows that it is over.
     const last = this.#glowsUntil + 2000 / STAMPS_PER_SECOND;
     if (this.#frozenAt === undefined && performance.now() < last) this.invalidate();
+  }
+
+  #update(picture: Picture, now: number): void {
+    const isWhole = picture.update(now);
+    if (isWhole !== this.#isWhole) this.listener.undrawn(isWhole ? '' : TOO_LARGE);
+    this.#isWhole = isWhole;
   }
 
   /** Where the plane is; undefined if there is none. */
@@ -234,7 +274,7 @@ export class View {
     const isFirst = this.plane.width === 1;
     this.plane.resize(clientWidth, clientHeight);
     this.orbit.resize(clientWidth, clientHeight);
-    this.picture.resize(clientWidth, clientHeight, devicePixelRatio);
+    this.picture?.resize(clientWidth, clientHeight, devicePixelRatio);
     if (isFirst) this.fit();
     else this.drawNow(); // a canvas of another size is empty
   }
@@ -247,15 +287,21 @@ export class View {
   #down(event: PointerEvent): void {
     this.canvas.setPointerCapture(event.pointerId);
     const pixel = this.#pixelOf(event);
+    // One that is still here was released elsewhere, as over a menu.
+    if (event.isPrimary) this.#pointers.clear();
     if (this.#pointers.size === 0) {
       this.#moved = 0;
-      this.#isGrabbed = !this.isSpace && this.listener.grabbed(this.plane.placeOf(pixel));
+      this.#button = event.button;
+      this.#isGrabbed =
+        !this.isSpace && event.button === 0 && this.listener.grabbed(this.plane.placeOf(pixel));
     }
     this.#pointers.set(event.pointerId, pixel);
   }
 
   #move(event: PointerEvent): void {
     const pixel = this.#pixelOf(event);
+    // A button that was released over a menu is noticed here.
+    if (event.buttons === 0) this.#cancel(event);
     const before = this.#pointers.get(event.pointerId);
     if (before === undefined) {
       this.#pointer = pixel;
@@ -297,8 +343,7 @@ export class View {
   }
 
   #up(event: PointerEvent): void {
-    this.#pointers.delete(event.pointerId);
-    if (this.#pointers.size > 0) return;
+    if (!this.#pointers.delete(event.pointerId) || this.#pointers.size > 0) return;
     if (this.#isGrabbed) {
       this.#isGrabbed = false;
       this.listener.dropped();
@@ -308,9 +353,17 @@ export class View {
       this.listener.settled();
       return;
     }
+    if (this.#button !== 0) return;
     const pixel = this.#pixelOf(event);
     const place = this.plane.placeOf(pixel);
     this.listener.clicked(this.#rowAt(place), place);
+  }
+
+  #cancel(event: PointerEvent): void {
+    this.#pointers.delete(event.pointerId);
+    if (!this.#isGrabbed || this.#pointers.size > 0) return;
+    this.#isGrabbed = false;
+    this.listener.cancelled();
   }
 
   #leave(): void {
@@ -349,5 +402,13 @@ export class View {
     this.hovered = row;
     if (changed) this.invalidate();
     if (changed || row >= 0) this.listener.hovered(row);
+  }
+}
+
+function pictureOn(canvas: HTMLCanvasElement): Picture | undefined {
+  try {
+    return new Picture(canvas);
+  } catch {
+    return undefined; // three has said why in the console
   }
 }

@@ -49,10 +49,46 @@ async function click(x, y) {
   await page.mouse.click(at.x, at.y);
 }
 
-/** The features that the server has, by kind. */
+/** The features that the server has. */
 async function features() {
   const chunks = await server.stream('GetFeatures', { mesh });
   return chunks.flatMap((chunk) => chunk.features ?? []);
+}
+
+/** True if the points that the server has are at these places. */
+async function hasPoints(...places) {
+  const points = (await features()).flatMap(({ point }) => (point ? [point] : []));
+  return (
+    points.length === places.length &&
+    places.every(([x, y]) => points.some((point) => isAt(point, x, y)))
+  );
+}
+
+async function drag(from, to, steps) {
+  const [begin, end] = [await pixel(...from), await pixel(...to)];
+  await page.mouse.move(begin.x, begin.y);
+  await page.mouse.down();
+  await page.mouse.move(end.x, end.y, { steps });
+}
+
+async function pointAt(x, y) {
+  for (let tries = 0; ; ++tries) {
+    const points = (await features()).flatMap(({ point }) => (point ? [point] : []));
+    if (points.some((point) => isAt(point, x, y))) return;
+    assert.ok(tries < 200, JSON.stringify(points));
+    await sleep(50);
+  }
+}
+
+/** The revision that the server has when it has had no edit for a while. */
+async function rest() {
+  for (let last = -1, quiet = 0; ; ++quiet) {
+    const revision = Number((await server.call('GetMesh', { mesh })).revision ?? 0);
+    if (revision !== last) quiet = 0;
+    if (quiet === 10) return revision;
+    last = revision;
+    await sleep(30);
+  }
 }
 
 /** Waits for that revision in the page, whose hash is the server's then. */
@@ -74,30 +110,22 @@ test('points are added, dragged, removed; undone and done again', async () => {
   await expectRevision(1);
   await click(0.7, 0.3);
   await expectRevision(2);
-  const two = await features();
-  assert.equal(two.length, 2);
-  assert.ok(isAt(two[0].point, 0.3, 0.3) && isAt(two[1].point, 0.7, 0.3));
+  assert.ok(await hasPoints([0.3, 0.3], [0.7, 0.3]));
 
-  const [from, to] = [await pixel(0.7, 0.3), await pixel(0.6, 0.7)];
-  await page.mouse.move(from.x, from.y);
-  await page.mouse.down();
-  await page.mouse.move(to.x, to.y, { steps: 12 });
+  await drag([0.7, 0.3], [0.6, 0.7], 12);
   await page.mouse.up();
   await page.waitForFunction(() => window.__dynmesh.revision > 2);
   // Wherever the drag was joined, its end is the last move.
-  for (let tries = 0; !isAt((await features())[1].point, 0.6, 0.7); ++tries) {
-    assert.ok(tries < 100, JSON.stringify(await features()));
-    await sleep(50);
-  }
-  await sleep(200);
-  const dragged = Number((await server.call('GetMesh', { mesh })).revision);
+  await pointAt(0.6, 0.7);
+  assert.ok(await hasPoints([0.3, 0.3], [0.6, 0.7]));
+  const dragged = await rest();
   assert.ok(dragged <= 2 + 13);
   await expectRevision(dragged);
 
   // The whole drag is undone at once.
   await page.keyboard.press('u');
   await expectRevision(dragged + 1);
-  assert.ok(isAt((await features())[1].point, 0.7, 0.3));
+  assert.ok(await hasPoints([0.3, 0.3], [0.7, 0.3]));
   await page.keyboard.press('u');
   await expectRevision(dragged + 2);
   assert.equal((await features()).length, 1);
@@ -105,7 +133,7 @@ test('points are added, dragged, removed; undone and done again', async () => {
   await expectRevision(dragged + 3);
   await page.keyboard.press('r');
   await expectRevision(dragged + 4);
-  assert.ok(isAt((await features())[1].point, 0.6, 0.7));
+  assert.ok(await hasPoints([0.3, 0.3], [0.6, 0.7]));
 
   await choose('remove');
   await click(0.6, 0.7);
@@ -122,6 +150,89 @@ test('a change of another client is not undone', async () => {
     document.getElementById('notice').textContent.startsWith('Another client'),
   );
   await expectRevision(Number(revision) + 1);
+});
+
+test('undo stops before a change of another client in between', async () => {
+  await choose('points');
+  const before = await features();
+  let { revision } = await figures(page);
+  await click(0.2, 0.1);
+  await expectRevision(++revision);
+  await server.edit(mesh, [{ add: { id: '100', point: { x: 0.8, y: 0.9 } } }]);
+  await expectRevision(++revision);
+  await click(0.5, 0.1);
+  await expectRevision(++revision);
+  await page.keyboard.press('u');
+  await page.keyboard.press('u');
+  await page.waitForFunction(() =>
+    document.getElementById('notice').textContent.startsWith('Another client'),
+  );
+  await expectRevision(++revision);
+  assert.equal((await features()).length, before.length + 2);
+  assert.ok((await features()).some(({ id }) => id === '100'));
+});
+
+test('Escape or the browser ends a drag: what follows is undone by itself', async () => {
+  await choose('points');
+  const before = (await features()).length;
+  const ends = [
+    () => page.keyboard.press('Escape'),
+    () =>
+      page.$eval('#picture', (canvas) => {
+        const event = { pointerId: 1, isPrimary: true, pointerType: 'mouse' };
+        canvas.dispatchEvent(new PointerEvent('pointercancel', event));
+      }),
+  ];
+  for (const [i, end] of ends.entries()) {
+    await drag([0.2 + 0.05 * i, 0.1], [0.25 + 0.05 * i, 0.1], 3);
+    await end();
+    await page.mouse.up();
+    await pointAt(0.25 + 0.05 * i, 0.1); // the last move of the drag
+    let revision = await rest();
+    for (const x of [0.4, 0.5, 0.6]) {
+      await click(x, 0.03 + 0.05 * i);
+      await expectRevision(++revision);
+    }
+    await page.keyboard.press('u');
+    await expectRevision(++revision);
+    assert.equal((await features()).length, before + 2 * (i + 1));
+  }
+});
+
+test('a right click edits nothing', async () => {
+  await choose('points');
+  const { revision } = await figures(page);
+  const at = await pixel(0.7, 0.03);
+  await page.mouse.click(at.x, at.y, { button: 'right' });
+  await page.keyboard.press('Escape');
+  await click(0.75, 0.03);
+  await atRevision(page, revision + 1);
+  assert.equal(await rest(), revision + 1);
+  await expectRevision(revision + 1);
+});
+
+test('a point whose id a size of another client has gets another id', async () => {
+  await choose('points');
+  let { revision } = await figures(page);
+  const size = { point: { x: 0.05, y: 0.95 }, target: 0.1 };
+  await server.edit(mesh, [{ add: { id: '4242', size } }]);
+  await expectRevision(++revision);
+  await page.evaluate(() => {
+    const random = crypto.getRandomValues.bind(crypto);
+    crypto.getRandomValues = (array) => {
+      if (array.length !== 2) return random(array);
+      delete crypto.getRandomValues;
+      array.set([0, 4242]);
+      return array;
+    };
+  });
+  await click(0.95, 0.05);
+  await expectRevision(++revision);
+  assert.equal(await page.$eval('#notice', ({ hidden }) => hidden), true);
+  const { size: kept } = (await features()).find(({ id }) => id === '4242');
+  assert.deepEqual(kept, size);
+  await server.edit(mesh, [{ remove: '4242' }]);
+  await expectRevision(++revision);
 });
 
 test('segments, a polygon and a size are drawn; what crosses is refused where it does', async () => {
@@ -158,10 +269,7 @@ test('segments, a polygon and a size are drawn; what crosses is refused where it
   assert.equal(drawn.polygon.rings[0].points.length, 4);
 
   await choose('size');
-  const [from, to] = [await pixel(0.75, 0.5), await pixel(0.85, 0.5)];
-  await page.mouse.move(from.x, from.y);
-  await page.mouse.down();
-  await page.mouse.move(to.x, to.y, { steps: 3 });
+  await drag([0.75, 0.5], [0.85, 0.5], 3);
   await page.mouse.up();
   await expectRevision(++revision);
   const [{ size }] = (await features()).filter((feature) => feature.size);

@@ -154,6 +154,117 @@ test('a polygon has the colour of its region', async () => {
   await page.close();
 });
 
+test('input points are small dots, and none where they are dense', async () => {
+  const POINT = [17, 24, 39];
+  const mesh = await server.create('dots', { box });
+  const page = await browser.open(`${server.url}#mesh=dots&hide=edges+segments`);
+  await atRevision(page, 0);
+  const places = await page.evaluate(() => {
+    const { width, height } = document.getElementById('picture').getBoundingClientRect();
+    const scale = window.__dynmesh.pixelOf(1, 0).x - window.__dynmesh.pixelOf(0, 0).x;
+    return { width, height, scale };
+  });
+  // Two alone, then a row of points half a pixel apart.
+  const alone = [
+    [0.25, 0.2],
+    [0.6, 0.25],
+  ];
+  const row = Array.from({ length: 200 }, (_, i) => [0.4 + (0.5 * i) / places.scale, 0.7]);
+  const revision = await server.edit(
+    mesh,
+    [...alone, ...row].map(([x, y], i) => ({ add: { id: `${i + 1}`, point: { x, y } } })),
+  );
+  await page.reload();
+  await atRevision(page, revision);
+  const around = (x, y, width) =>
+    page.evaluate(
+      (x, y, width) => {
+        const middle = window.__dynmesh.pixelOf(x, y);
+        const pixels = [];
+        for (let dx = -width; dx <= width; ++dx) {
+          for (let dy = -5; dy <= 5; ++dy) pixels.push({ x: middle.x + dx, y: middle.y + dy });
+        }
+        return window.__dynmesh.colours(pixels);
+      },
+      x,
+      y,
+      width,
+    );
+  const dark = async (x, y, width) =>
+    (await around(x, y, width)).filter((colour) => isNear(colour, POINT)).length;
+  for (const [x, y] of alone) {
+    const pixels = await dark(x, y, 5);
+    assert.ok(pixels >= 4 && pixels <= 9, `${pixels} pixels of a point`);
+  }
+  assert.equal(await dark(0.4 + 50 / places.scale, 0.7, 40), 0);
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('the picture comes back after the graphics card was lost', async () => {
+  const mesh = await server.create('reset', { box });
+  const page = await browser.open(`${server.url}#mesh=reset&fill=region`);
+  await atRevision(page, 0);
+  const corners = ['0.2 0.2', '0.8 0.2', '0.8 0.8', '0.2 0.8'].map((text) => text.split(' '));
+  const revision = await server.edit(mesh, [
+    ...corners.map(([x, y], i) => ({ add: { id: `${i + 1}`, point: { x: +x, y: +y } } })),
+    { add: { id: '9', polygon: { rings: [{ points: ['1', '2', '3', '4'] }] } } },
+  ]);
+  await page.reload();
+  await atRevision(page, revision);
+  const seen = await visible(page, await Plane.of(server, mesh));
+  const expected = ({ region }) => (region === '9' ? [230, 159, 0] : PLAIN);
+  await expectColours(page, seen, expected);
+  const notice = () => page.$eval('#notice', ({ textContent }) => textContent);
+  await page.evaluate(() => {
+    const canvas = document.getElementById('picture');
+    window.lose = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+    const lost = new Promise((done) => canvas.addEventListener('webglcontextlost', done));
+    window.lose.loseContext();
+    return lost.then(() => undefined);
+  });
+  assert.match(await notice(), /lost the graphics card/);
+  await page.evaluate(() => {
+    const canvas = document.getElementById('picture');
+    const restored = new Promise((done) => canvas.addEventListener('webglcontextrestored', done));
+    window.lose.restoreContext();
+    return restored.then(() => undefined);
+  });
+  await expectColours(page, seen, expected);
+  assert.equal(await notice(), '');
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('a mesh that is too large for the graphics card is not drawn, and the page says so', async () => {
+  const mesh = await server.create('large', { box });
+  await server.create('small', { box });
+  const revision = await server.edit(mesh, [{ add: { id: '1', size: { box, target: 0.02 } } }]);
+  const page = await browser.open('about:blank');
+  await page.evaluateOnNewDocument(() => {
+    const { getParameter } = WebGL2RenderingContext.prototype;
+    WebGL2RenderingContext.prototype.getParameter = function (name) {
+      return name === this.MAX_TEXTURE_SIZE ? 1 : getParameter.call(this, name);
+    };
+  });
+  await page.goto(`${server.url}#mesh=large`);
+  const { counts } = await atRevision(page, revision);
+  assert.ok(counts.cells > 2048);
+  const hasNotice = (wanted) =>
+    page.waitForFunction(
+      (wanted) => document.getElementById('notice').textContent.includes('larger') === wanted,
+      {},
+      wanted,
+    );
+  await hasNotice(true);
+  await page.evaluate(() => {
+    location.hash = '#mesh=small';
+  });
+  await hasNotice(false);
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
 test('a cut through a closed surface shows the region inside', async () => {
   const space = { lo: { x: 0, y: 0, z: 0 }, hi: { x: 1, y: 1, z: 1 } };
   const mesh = await server.create('cut', { dimension: 3, box: space });

@@ -1,20 +1,25 @@
 // The picture of a mesh: tables of its vertices and of what is drawn (triangles, in 3D subfacets;
 // subsegments), and the passes over them. An update uploads what has changed and nothing else.
 import {
+  AddEquation,
   BufferAttribute,
   BufferGeometry,
   Camera,
+  CustomBlending,
   DoubleSide,
   GLSL3,
   Matrix4,
   Mesh,
+  NearestFilter,
   NoBlending,
+  OneFactor,
   Points,
   RawShaderMaterial,
   Scene,
   Vector2,
   Vector3,
   WebGLRenderer,
+  WebGLRenderTarget,
   type IUniform,
 } from 'three';
 import type { CutTriangles } from '../cut/cutter.js';
@@ -23,8 +28,8 @@ import type { SlotMesh } from '../model/slot_mesh.js';
 import { halves } from './camera.js';
 import { ramps, regionColours, type Colour, type Theme } from './palette.js';
 import * as shaders from './shaders.js';
-import { STAMP_BITS, STAMPS_PER_SECOND } from './shaders.js';
-import { Table, TableWriter } from './table.js';
+import { eraOf, STAMP_BITS, STAMP_MASK, stampBits } from './stamps.js';
+import { LINE, Table, TableWriter } from './table.js';
 
 export const fills = ['change', 'quality', 'angle', 'size', 'region'] as const;
 export type Fill = (typeof fills)[number];
@@ -54,8 +59,6 @@ export interface Eye {
   clip: { axis: number; offset: number } | undefined;
 }
 
-const STAMP_MASK = (1 << STAMP_BITS) - 1;
-
 /** The number of a region's colour: 0 for none. A function of its id, so that links show the same. */
 export function regionNumber(lo: number, hi: number): number {
   return lo === 0 && hi === 0 ? 0 : 1 + (((lo ^ hi) >>> 0) % regionColours.length);
@@ -64,6 +67,10 @@ export function regionNumber(lo: number, hi: number): number {
 function isBorder(lo: number, hi: number): boolean {
   return lo === 0xffffffff && hi === 0xffffffff;
 }
+
+/** Pixels of a dot, and of the sides of the cells in which points are counted. */
+const DOT = 3;
+const CELL = 4;
 
 type Uniforms = Record<string, IUniform>;
 
@@ -99,10 +106,16 @@ class Layer {
     this.object.geometry.setDrawRange(0, rows * this.verticesARow);
   }
 
+  /** All rows will be written again. */
+  renew(): void {
+    this.#isNew = true;
+  }
+
   /** Makes the table as long as the rows; true if all of them have to be written. */
-  prepare(rows: Rows): boolean {
+  prepare(rows: Rows, most: number): boolean {
     this.setCount(rows.length);
-    const all = this.table.reserve(rows.corners.length / rows.width) || this.#isNew;
+    const spare = Math.min(rows.corners.length / rows.width, most);
+    const all = this.table.reserve(spare, most) || this.#isNew;
     this.#isNew = false;
     return all;
   }
@@ -124,6 +137,22 @@ function shaderMaterial(
     blending: NoBlending,
     side: DoubleSide,
   });
+}
+
+/** Adds up the points of each cell. */
+function counterOf(geometry: BufferGeometry, uniforms: Uniforms): Points {
+  const material = shaderMaterial(shaders.density, uniforms);
+  material.setValues({
+    blending: CustomBlending,
+    blendEquation: AddEquation,
+    blendSrc: OneFactor,
+    blendDst: OneFactor,
+    depthTest: false,
+    depthWrite: false,
+  });
+  const result = new Points(geometry, material);
+  result.frustumCulled = false;
+  return result;
 }
 
 export class Picture {
@@ -157,19 +186,34 @@ export class Picture {
     clipNormal: { value: new Vector3() },
     clipOffset: { value: 0 },
     eye: { value: new Vector3(0, 0, 1) },
+    density: { value: null },
+    cell: { value: 1 },
+    cells: { value: new Vector2(1, 1) },
   };
   #vertices = new Table(1);
   readonly #triangles: Layer;
   readonly #segments: Layer;
   readonly #points: Layer;
+  readonly #density = new WebGLRenderTarget(1, 1, {
+    minFilter: NearestFilter,
+    magFilter: NearestFilter,
+    depthBuffer: false,
+    generateMipmaps: false,
+  });
+  readonly #densityScene = new Scene();
   readonly #cut: Mesh<BufferGeometry, RawShaderMaterial>;
   #mesh: SlotMesh | undefined;
   #origin: readonly number[] = [0, 0, 0];
   #verticesAreNew = true;
+  /** Rows that a table can have. */
+  readonly #most: number;
+  /** Of the stamps in the tables. */
+  #era = 0;
 
   constructor(canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'default' });
     this.renderer.autoClear = false;
+    this.#most = LINE * this.renderer.capabilities.maxTextureSize;
     this.writer = new TableWriter(this.renderer);
     const mesh = (shader: typeof shaders.triangles, uniforms: Uniforms): Layer['object'] =>
       new Mesh(new BufferGeometry(), shaderMaterial(shader, uniforms));
@@ -179,8 +223,10 @@ export class Picture {
     });
     this.#triangles = new Layer(mesh(shaders.triangles, this.#uniforms), 3);
     this.#segments = new Layer(mesh(shaders.segments, ofWidth(2)), 6);
-    const points = new Points(new BufferGeometry(), shaderMaterial(shaders.points, ofWidth(6)));
+    const points = new Points(new BufferGeometry(), shaderMaterial(shaders.points, ofWidth(DOT)));
     this.#points = new Layer(points, 1);
+    this.#uniforms.density.value = this.#density.texture;
+    this.#densityScene.add(counterOf(points.geometry, this.#uniforms));
     [this.#triangles, this.#segments, this.#points].forEach(({ object }, order) => {
       object.renderOrder = order;
       this.#scene.add(object);
@@ -208,6 +254,17 @@ export class Picture {
     this.renderer.setSize(width, height, false);
     const size = this.#uniforms.size.value as Vector2;
     this.renderer.getDrawingBufferSize(size);
+    const cell = CELL * ratio;
+    this.#uniforms.cell.value = cell;
+    const cells = this.#uniforms.cells.value as Vector2;
+    cells.copy(size).divideScalar(cell).ceil();
+    this.#density.setSize(cells.x, cells.y);
+  }
+
+  /** The graphics card is away: what it had is not there any more, and must not be deleted later. */
+  lost(): void {
+    this.setMesh(undefined, this.#origin);
+    this.#density.dispose();
   }
 
   /** Shows another mesh, with positions relative to the origin. */
@@ -223,16 +280,45 @@ export class Picture {
     this.setCut(undefined);
   }
 
-  /** Uploads what has changed in the mesh. */
-  update(): void {
+  /** The graphics card is away, and what it had. */
+  get isLost(): boolean {
+    return this.renderer.getContext().isContextLost();
+  }
+
+  /** Stamps in the tables are so old that they have to be written again. */
+  isOld(now: number): boolean {
+    return this.#mesh !== undefined && eraOf(now) !== this.#era;
+  }
+
+  /** Uploads what has changed in the mesh; false if it has more rows than a table can have. */
+  update(now: number): boolean {
     const mesh = this.#mesh;
-    if (mesh === undefined) return;
-    this.#updateVertices(mesh);
+    if (mesh === undefined) return true;
+    const { vertices, subsegments } = mesh;
     const surface = mesh.dimension === 2 ? mesh.cells : mesh.subfacets;
-    this.#updateLayer(this.#triangles, surface, (row) => this.#writeTriangle(surface, row));
-    const { subsegments } = mesh;
-    this.#updateLayer(this.#segments, subsegments, (row) => this.#writeSegment(subsegments, row));
+    if (Math.max(2 * vertices.length, surface.length, subsegments.length) > this.#most) {
+      this.#hide();
+      mesh.settle();
+      return false;
+    }
+    if (this.isOld(now)) for (const layer of this.#layers()) layer.renew();
+    this.#era = eraOf(now);
+    this.#updateVertices(mesh);
+    this.#updateLayer(this.#triangles, surface, (row) => this.#writeTriangle(surface, row, now));
+    this.#updateLayer(this.#segments, subsegments, (row) => {
+      this.#writeSegment(subsegments, row, now);
+    });
     mesh.settle();
+    return true;
+  }
+
+  /** Draws nothing of the mesh. Its rows do not become fewer. */
+  #hide(): void {
+    for (const layer of this.#layers()) {
+      layer.setCount(0);
+      layer.renew();
+    }
+    this.#verticesAreNew = true;
   }
 
   draw(eye: Eye, look: Look, now: number, hovered: number): void {
@@ -263,6 +349,7 @@ export class Picture {
     this.#triangles.show(true);
     this.#segments.show(look.segments);
     this.#points.show(look.points);
+    if (this.#points.object.visible) this.#countPoints();
     // In sRGB as they are: the renderer would take a Color for a linear one.
     this.#clearTo(theme.background);
     this.renderer.render(this.#scene, this.#camera);
@@ -279,6 +366,14 @@ export class Picture {
     this.#uniforms.clipOffset.value = sign * (clip.offset - position[clip.axis]);
   }
 
+  #countPoints(): void {
+    const gl = this.renderer.getContext();
+    this.renderer.setRenderTarget(this.#density);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.renderer.render(this.#densityScene, this.#camera);
+  }
+
   #clearTo(colour: Colour): void {
     const gl = this.renderer.getContext();
     this.renderer.setRenderTarget(null);
@@ -289,7 +384,8 @@ export class Picture {
 
   #updateVertices(mesh: SlotMesh): void {
     const { vertices } = mesh;
-    const moved = this.#vertices.reserve(2 * vertices.isLive.length);
+    const spare = Math.min(2 * vertices.isLive.length, this.#most);
+    const moved = this.#vertices.reserve(spare, this.#most);
     this.#uniforms.vertices.value = this.#vertices.texture;
     this.#points.setCount(vertices.length);
     this.writer.begin(this.#vertices);
@@ -303,7 +399,7 @@ export class Picture {
   }
 
   #updateLayer(layer: Layer, rows: Rows, write: (row: number) => void): void {
-    const all = layer.prepare(rows);
+    const all = layer.prepare(rows, this.#most);
     this.writer.begin(layer.table);
     if (all) for (let row = 0; row < rows.length; ++row) write(row);
     else for (const row of rows.changed) write(row);
@@ -329,7 +425,7 @@ export class Picture {
     this.writer.write(2 * slot + 1, p, q, r, 0);
   }
 
-  #writeTriangle(rows: Rows, row: number): void {
+  #writeTriangle(rows: Rows, row: number, now: number): void {
     const { corners, tags, stamps } = rows;
     // In 3D the facets of the border would hide everything in them.
     const isHidden = rows.width === 3 && isBorder(tags[2 * row], tags[2 * row + 1]);
@@ -343,11 +439,11 @@ export class Picture {
       corners[3 * row] + 1,
       corners[3 * row + 1] + 1,
       corners[3 * row + 2] + 1,
-      (region << STAMP_BITS) | (stamps[row] & STAMP_MASK),
+      (region << STAMP_BITS) | stampBits(stamps[row], now),
     );
   }
 
-  #writeSegment(rows: Rows, row: number): void {
+  #writeSegment(rows: Rows, row: number, now: number): void {
     const { corners, tags, stamps } = rows;
     if (!rows.isLive(row)) {
       this.writer.write(row, 0, 0, 0, 0);
@@ -358,7 +454,7 @@ export class Picture {
       corners[2 * row] + 1,
       corners[2 * row + 1] + 1,
       isBorder(tags[2 * row], tags[2 * row + 1]) ? 1 : 0,
-      stamps[row] & STAMP_MASK,
+      stampBits(stamps[row], now),
     );
   }
 
@@ -380,6 +476,8 @@ export class Picture {
     this.writer.begin(this.#vertices);
     this.writer.write(0, 0, 0, 0, 0);
     this.writer.end();
+    this.#countPoints();
+    this.renderer.setRenderTarget(null);
     this.renderer.render(this.#scene, this.#camera);
     this.setMesh(undefined, this.#origin);
   }
@@ -388,8 +486,3 @@ export class Picture {
 /** Higher halves at 0, lower ones at 4. */
 const position = new Float32Array(8);
 const positionBits = new Uint32Array(position.buffer);
-
-/** The present time in stamps; never 0, which stands for what did not change. */
-export function stampNow(): number {
-  return 1 + (Math.floor((performance.now() / 1000) * STAMPS_PER_SECOND) % STAMP_MASK);
-}

@@ -1,10 +1,6 @@
 // The shaders fetch what they draw from tables (table.ts): no attribute is uploaded for a mesh.
+import { STAMP_BITS, STAMP_MASK, STAMPS_PER_SECOND } from './stamps.js';
 import { LINE } from './table.js';
-
-/** Stamps a second: units of the times of changes. */
-export const STAMPS_PER_SECOND = 64;
-/** Bits of a stamp in a texel; the rest is the colour of the region. */
-export const STAMP_BITS = 24;
 
 const common = `
 precision highp float;
@@ -32,7 +28,7 @@ vec3 relative(uint vertex) {
 uniform float fadeSeconds;
 float freshness(uint stamp) {
   if (stamp == 0u) return 0.0;
-  uint age = (now - stamp) & ${(1 << STAMP_BITS) - 1}u;
+  uint age = (now - stamp) & ${STAMP_MASK}u;
   return clamp(1.0 - float(age) / (${STAMPS_PER_SECOND}.0 * fadeSeconds), 0.0, 1.0);
 }
 // What is above the plane is not drawn; without a plane the normal is 0.
@@ -105,7 +101,7 @@ void main() {
     // A light at the eye.
     base *= 0.55 + 0.45 * abs(dot(normalize(cross(b - a, c - a)), eye));
   }
-  colour = mix(base, glow, freshness(texel.w & ${(1 << STAMP_BITS) - 1}u));
+  colour = mix(base, glow, freshness(texel.w & ${STAMP_MASK}u));
   if (row + 1u == hovered) colour = mix(colour, hoverColour, 0.5);
 }`,
   fragmentShader: `
@@ -174,11 +170,48 @@ void main() {
 }`,
 };
 
+/** Counts the input points in each cell of the picture, in 255ths. */
+export const density = {
+  vertexShader: `${common}
+uniform float cell; // in pixels
+uniform vec2 cells;
+void main() {
+  uint vertex = uint(gl_VertexID);
+  gl_PointSize = 1.0;
+  gl_Position = NOWHERE;
+  if (upperTexel(vertex).w != 1u) return;
+  vec3 own = relative(vertex);
+  above = aboveClip(own);
+  vec4 position = project * vec4(own, 1.0);
+  if (position.w <= 0.0) return;
+  vec2 pixel = (0.5 * position.xy / position.w + 0.5) * size;
+  gl_Position = vec4(2.0 * pixel / cell / cells - 1.0, 0.0, 1.0);
+}`,
+  fragmentShader: `
+precision highp float;
+in float above;
+out vec4 count;
+void main() {
+  if (above > 0.0) discard;
+  count = vec4(1.0 / 255.0);
+}`,
+};
+
+/** Input points: dots that are smaller where points are dense, and none where they would be a blot. */
 export const points = {
   vertexShader: `${common}
 uniform vec3 point;
 uniform float width;
+uniform float cell;
+uniform vec2 cells;
+uniform sampler2D density;
 flat out vec3 colour;
+
+float countIn(ivec2 place) {
+  ivec2 inside = clamp(place, ivec2(0), ivec2(cells) - 1);
+  return 255.0 * texelFetch(density, inside, 0).x;
+}
+
 void main() {
   uint vertex = uint(gl_VertexID);
   gl_PointSize = width;
@@ -191,6 +224,14 @@ void main() {
   gl_Position = project * vec4(own, 1.0);
   above = aboveClip(own);
   gl_Position.z -= 2e-5 * gl_Position.w;
+  // The four cells about the point; of points on a line, this is the distance from one to the next.
+  vec2 pixel = (0.5 * gl_Position.xy / gl_Position.w + 0.5) * size;
+  ivec2 low = ivec2(floor(pixel / cell - 0.5));
+  float count = countIn(low) + countIn(low + ivec2(1, 0)) + countIn(low + ivec2(0, 1)) +
+    countIn(low + 1);
+  float distance = 2.0 * cell / max(count, 1.0);
+  gl_PointSize = min(width, distance);
+  if (distance < width / 3.0) gl_Position = NOWHERE;
 }`,
   fragmentShader: `
 precision highp float;

@@ -136,12 +136,15 @@ export class Table {
     return this.target.texture;
   }
 
-  /** Makes room for that many rows. True if the table is another one then, and empty. */
-  reserve(rows: number): boolean {
+  /**
+   * Makes room for that many rows, of `most` that the graphics card allows. True if the table is
+   * another one then, and empty.
+   */
+  reserve(rows: number, most: number): boolean {
     if (rows <= this.capacity) return false;
     const { capacity } = this;
     this.dispose();
-    const larger = new Table(Math.max(rows, 2 * capacity));
+    const larger = new Table(Math.min(Math.max(rows, 2 * capacity), most));
     this.target = larger.target;
     this.capacity = larger.capacity;
     return true;

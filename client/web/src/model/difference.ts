@@ -75,7 +75,8 @@ function vertices(rows: VertexColumns | undefined, dimension: number): VertexRow
   const result = {
     ids: words(rows?.ids ?? none),
     coordinates: doubles(rows?.coordinates ?? none),
-    containingDimensions: rows?.containingDimensions ?? none,
+    // A copy: a view would keep the bytes of the whole message.
+    containingDimensions: rows?.containingDimensions.slice() ?? none,
     owners: varints(rows?.owners ?? none),
   };
   const count = result.ids.length / 2;

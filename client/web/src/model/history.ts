@@ -130,7 +130,8 @@ function inverse({ removed, added, gone }: Step): [Removed[], Added[]] {
   ];
 }
 
-function bytesOf({ removed, added, gone }: Step): number {
+/** Memory that a step keeps. */
+export function bytesOf({ removed, added, gone }: Step): number {
   const size = (columns: object): number =>
     Object.values(columns).reduce<number>(
       (sum, column: ArrayBufferView) => sum + column.byteLength,
@@ -139,6 +140,7 @@ function bytesOf({ removed, added, gone }: Step): number {
   let bytes = 500 + size(gone);
   for (const part of removed) {
     bytes += size(part.simplices) + size(part.subsegments) + size(part.subfacets);
+    bytes += part.vertices.byteLength;
   }
   for (const part of added) {
     bytes += size(part.simplices) + size(part.subsegments) + size(part.subfacets);

@@ -69,25 +69,6 @@ export function inputPointAt(mesh: SlotMesh, x: number, y: number, radius: numbe
   return best;
 }
 
-/** An id that no point, segment or polygon of the mesh has. */
-export function freeId(mesh: SlotMesh): bigint {
-  let hi = 0;
-  let lo = 0;
-  for (const { owners, length } of [
-    mesh.vertices,
-    { owners: mesh.subsegments.tags, length: mesh.subsegments.length },
-    { owners: mesh.subfacets.tags, length: mesh.subfacets.length },
-  ]) {
-    for (let i = 0; i < 2 * length; i += 2) {
-      const upper = owners[i + 1];
-      if (upper === RESERVED || upper < hi || (upper === hi && owners[i] <= lo)) continue;
-      hi = upper;
-      lo = owners[i];
-    }
-  }
-  return ((BigInt(hi) << 32n) | BigInt(lo)) + 1n;
-}
-
 /** Places of a feature of a 2D mesh: its vertices and the ends of its subsegments, some at most. */
 export function placesOf(mesh: SlotMesh, id: bigint, most: number): { x: number; y: number }[] {
   const lo = Number(id & 0xffffffffn);

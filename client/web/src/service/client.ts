@@ -9,12 +9,21 @@ const TOKEN = 'dynmesh.token';
 
 /** The token of this tab, which its requests carry; null if there is none. */
 export function token(): string | null {
-  return sessionStorage.getItem(TOKEN);
+  const value = sessionStorage.getItem(TOKEN);
+  return value !== null && isToken(value) ? value : null;
 }
 
-export function setToken(value: string): void {
+/** False if the value cannot be a token; then nothing changes. */
+export function setToken(value: string): boolean {
+  if (!isToken(value)) return false;
   if (value === '') sessionStorage.removeItem(TOKEN);
   else sessionStorage.setItem(TOKEN, value);
+  return true;
+}
+
+/** What a header of a request can have: fetch throws for characters of other scripts. */
+export function isToken(value: string): boolean {
+  return /^[\x21-\x7e]*$/.test(value);
 }
 
 const authorize: Interceptor = (next) => (request) => {

@@ -7,6 +7,7 @@ import { WatchRequestSchema } from '../../gen/dynmesh/v1/mesh_service_pb.js';
 import type { Replica } from '../model/replica.js';
 import { DataLoss } from '../model/slot_mesh.js';
 import type { Service } from './client.js';
+import { mayRetry, messageOf, Pauses } from './retry.js';
 
 export type Connection = 'connecting' | 'live' | 'lost' | 'asleep' | 'ended';
 
@@ -22,7 +23,6 @@ export interface Listener {
 const BUDGET_MS = 8;
 /** The same while the first mesh comes: there is nothing to draw yet. */
 const LOADING_BUDGET_MS = 60;
-const LONGEST_PAUSE_MS = 2000;
 
 export class Watch {
   readonly #service: Service;
@@ -67,7 +67,9 @@ export class Watch {
   async #run(): Promise<void> {
     const call = new AbortController();
     this.#call = call;
-    let pause = 100;
+    // Parts that a run before has left: it may still wait for a frame, and takes nothing any more.
+    this.#replica.endOfStream();
+    const pauses = new Pauses();
     while (!call.signal.aborted) {
       this.#listener.connection('connecting', '');
       const before = this.#replica.revision;
@@ -83,10 +85,10 @@ export class Watch {
         }
         this.#listener.connection('lost', messageOf(error));
       }
+      if (isOver(call)) break;
       this.#replica.endOfStream();
-      if (this.#replica.diffs !== diffs || this.#replica.revision !== before) pause = 100;
-      await this.#wait(pause, call.signal);
-      pause = Math.min(2 * pause, LONGEST_PAUSE_MS);
+      if (this.#replica.diffs !== diffs || this.#replica.revision !== before) pauses.reset();
+      await this.#wait(pauses.next(), call.signal);
     }
     if (!this.#isLast(call)) return;
     this.#replica.endOfStream();
@@ -130,16 +132,9 @@ export class Watch {
       this.#replica.reset();
       return true;
     }
-    const { code } = ConnectError.from(error);
     // The server no longer has what lies between, or has another past.
-    if (code === Code.OutOfRange) this.#replica.reset();
-    return ![
-      Code.NotFound,
-      Code.Unauthenticated,
-      Code.PermissionDenied,
-      Code.InvalidArgument,
-      Code.Unimplemented,
-    ].includes(code);
+    if (ConnectError.from(error).code === Code.OutOfRange) this.#replica.reset();
+    return mayRetry(error);
   }
 
   async #wait(milliseconds: number, signal: AbortSignal): Promise<void> {
@@ -148,7 +143,6 @@ export class Watch {
       this.#wake = resolve;
       setTimeout(resolve, milliseconds);
     });
-    this.#wake = undefined;
   }
 }
 
@@ -158,8 +152,4 @@ function isOver(call: AbortController): boolean {
 
 function nextFrame(): Promise<void> {
   return new Promise((resolve) => requestAnimationFrame(() => resolve()));
-}
-
-export function messageOf(error: unknown): string {
-  return error instanceof ConnectError ? error.rawMessage : String(error);
 }

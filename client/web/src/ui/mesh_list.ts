@@ -9,19 +9,24 @@ const FIGURES = 20;
 
 export class MeshList {
   #current = '';
-  readonly #stats = new Map<string, MeshStats>();
+  #stats = new Map<string, MeshStats>();
+  #isBusy = false;
+  /** Something has changed since the refresh that is under way began. */
+  #isDue = false;
 
   constructor(
     private readonly service: Service,
     private readonly parent: HTMLElement,
     private readonly listener: {
       failed(error: unknown): void;
+      /** The list is that of the server. */
+      refreshed(): void;
       /** The server has one mesh alone. */
       only(mesh: string): void;
     },
   ) {
     setInterval(() => {
-      if (!document.hidden) void this.refresh();
+      if (!document.hidden && !this.#isBusy) void this.refresh();
     }, INTERVAL_MS);
   }
 
@@ -30,21 +35,38 @@ export class MeshList {
     void this.refresh();
   }
 
+  /** Reads the list again; one at a time, as a slow server may take longer than the interval. */
   async refresh(): Promise<void> {
+    this.#isDue = this.#isBusy;
+    if (this.#isBusy) return;
+    this.#isBusy = true;
+    try {
+      await this.#read();
+    } finally {
+      this.#isBusy = false;
+    }
+    if (this.#isDue) await this.refresh();
+  }
+
+  async #read(): Promise<void> {
     try {
       const { meshes, nextPageToken } = await this.service.listMeshes({ pageSize: 1000 });
       const shown = meshes.filter(({ owner }) => owner === '').slice(0, FIGURES);
-      await Promise.all(
-        shown.map(async ({ name }) => {
-          const { mesh } = await this.service.getStats({ mesh: name });
-          if (mesh) this.#stats.set(name, mesh);
-        }),
+      // A mesh that is damaged, or was just deleted, has none.
+      const answers = await Promise.allSettled(
+        shown.map(({ name }) => this.service.getStats({ mesh: name })),
       );
+      this.#stats = new Map();
+      answers.forEach((answer, i) => {
+        const mesh = answer.status === 'fulfilled' ? answer.value.mesh : undefined;
+        if (mesh) this.#stats.set(shown[i].name, mesh);
+      });
       if (meshes.length === 1) this.listener.only(idOf(meshes[0].name));
       this.#show(
         meshes.map(({ name, revision }) => ({ name, revision })),
         nextPageToken !== '',
       );
+      this.listener.refreshed();
     } catch (error) {
       this.listener.failed(error);
     }

@@ -15,6 +15,8 @@ export class Statistics {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #mesh: SlotMesh | undefined;
   #bound = Math.SQRT2;
+  /** The last survey that was begun. */
+  #newest: Survey | undefined;
 
   constructor(
     parent: HTMLElement,
@@ -38,11 +40,19 @@ export class Statistics {
   #begin(mesh: SlotMesh): void {
     // What changes from now on makes another survey.
     this.#timer = undefined;
-    this.#goOn(mesh, new Survey(mesh, this.#bound));
+    this.#newest = new Survey(mesh, this.#bound);
+    this.#goOn(mesh, this.#newest);
   }
 
   #goOn(mesh: SlotMesh, survey: Survey): void {
-    if (mesh !== this.#mesh || document.hidden) return;
+    if (mesh !== this.#mesh) return;
+    if (document.hidden) {
+      const goOn = (): void => {
+        if (survey === this.#newest) this.#goOn(mesh, survey);
+      };
+      document.addEventListener('visibilitychange', goOn, { once: true });
+      return;
+    }
     if (!survey.advance(SLICE_MS)) {
       setTimeout(() => this.#goOn(mesh, survey), 30);
       return;

@@ -1,7 +1,8 @@
 // Editing with the pointer: tools, of which one is chosen, and undo.
 import type { Place } from '../draw/camera.js';
 import { wordAt } from '../model/columns.js';
-import { freeId, inputPointAt } from '../model/picking.js';
+import { randomId } from '../model/ids.js';
+import { inputPointAt } from '../model/picking.js';
 import type { SlotMesh } from '../model/slot_mesh.js';
 import type { Editor } from '../service/editor.js';
 import { element } from './dom.js';
@@ -52,7 +53,6 @@ export class Tools {
   #ends: End[] = [];
   #dragged: bigint | undefined;
   #disc: { centre: Place; radius: number } | undefined;
-  #nextId = 0n;
 
   constructor(
     parent: HTMLElement,
@@ -91,6 +91,7 @@ export class Tools {
   }
 
   undo(): void {
+    this.#dropLine();
     this.#editor?.undo();
   }
 
@@ -106,6 +107,16 @@ export class Tools {
 
   cancel(): void {
     this.#drop();
+  }
+
+  /** An edit was refused: the line does not go on from a point that may not be there. */
+  refused(): void {
+    this.#dropLine();
+  }
+
+  /** A new point has got another id. */
+  renamed(from: bigint, to: bigint): void {
+    for (const end of this.#ends) if (end.id === from) end.id = to;
   }
 
   /** True if the tool takes the drag that begins here. */
@@ -140,8 +151,7 @@ export class Tools {
   /** The drag ends. */
   up(): void {
     if (this.#dragged !== undefined) {
-      this.#dragged = undefined;
-      this.#editor?.endGesture();
+      this.#endDrag();
       return;
     }
     const disc = this.#disc;
@@ -154,7 +164,7 @@ export class Tools {
       action: {
         case: 'add',
         value: {
-          id: this.#newId(this.#mesh),
+          id: randomId(),
           geometry: {
             case: 'size',
             value: { region: { case: 'disc', value: disc }, target },
@@ -170,7 +180,7 @@ export class Tools {
     this.listener.editedAt(place);
     const slot = inputPointAt(mesh, place.x, place.y, REACH / scale);
     if (this.tool === 'points') {
-      if (slot < 0) this.#editor?.apply(addPoint(this.#newId(mesh), place));
+      if (slot < 0) this.#editor?.apply(addPoint(randomId(), place));
       return;
     }
     if (this.tool === 'remove') {
@@ -187,12 +197,12 @@ export class Tools {
       return;
     }
     this.#ends.push(near ?? this.#endAt(mesh, slot, place));
-    if (this.tool === 'segments' && this.#ends.length === 2) this.#addSegment(mesh);
+    if (this.tool === 'segments' && this.#ends.length === 2) this.#addSegment();
     this.listener.drafted({ line: this.#ends.map((end) => end.place), disc: undefined });
   }
 
   #endAt(mesh: SlotMesh, slot: number, place: Place): End {
-    if (slot < 0) return { id: this.#newId(mesh), place, isNew: true };
+    if (slot < 0) return { id: randomId(), place, isNew: true };
     const { coordinates, owners } = mesh.vertices;
     return {
       id: wordAt(owners, slot),
@@ -202,13 +212,13 @@ export class Tools {
   }
 
   /** The next segment goes on from this one's end. */
-  #addSegment(mesh: SlotMesh): void {
+  #addSegment(): void {
     const [p, q] = this.#ends;
     this.#editor?.apply(...newPoints(this.#ends), {
       action: {
         case: 'add',
         value: {
-          id: this.#newId(mesh),
+          id: randomId(),
           geometry: { case: 'segment', value: { p: p.id, q: q.id } },
         },
       },
@@ -224,25 +234,28 @@ export class Tools {
       action: {
         case: 'add',
         value: {
-          id: this.#newId(this.#mesh),
+          id: randomId(),
           geometry: { case: 'polygon', value: { rings: [{ points: ends.map(({ id }) => id) }] } },
         },
       },
     });
   }
 
+  #dropLine(): void {
+    if (this.tool === 'segments') this.#drop();
+  }
+
+  #endDrag(): void {
+    if (this.#dragged === undefined) return;
+    this.#dragged = undefined;
+    this.#editor?.endGesture();
+  }
+
   #drop(): void {
     this.#ends = [];
     this.#disc = undefined;
-    this.#dragged = undefined;
+    this.#endDrag();
     this.listener.drafted(noDraft);
-  }
-
-  /** Sizes have no vertex: ids that this page gave are kept in mind. */
-  #newId(mesh: SlotMesh): bigint {
-    const free = freeId(mesh);
-    this.#nextId = free > this.#nextId ? free : this.#nextId + 1n;
-    return this.#nextId;
   }
 }
 
@@ -256,5 +269,7 @@ function addPoint(id: bigint, { x, y }: Place) {
 }
 
 function newPoints(ends: readonly End[]) {
-  return ends.filter(({ isNew }) => isNew).map(({ id, place }) => addPoint(id, place));
+  return [...new Set(ends)]
+    .filter(({ isNew }) => isNew)
+    .map(({ id, place }) => addPoint(id, place));
 }
