@@ -24,7 +24,6 @@ from dynmesh.v1 import mesh_pb2, mesh_service_pb2 as service, status_details_pb2
 Rows = List[Dict[str, Any]]
 _MOST_ATTEMPTS = 60  # of one call at several servers
 _PAUSE = 0.05  # between these, in seconds
-_WATCH_ENDS = 0.5  # gRPC asks every 0.2 s whether the state of a connection is still of interest
 _PART = 512 * 1024  # bytes of a message of a load or a stream of edits, about
 _LOCATED = 30_000  # places of a request
 _SLICE = 0.1  # in seconds: as often a wait looks for Ctrl-C
@@ -77,7 +76,7 @@ class _Servers:
         self._lock = threading.RLock()
         self._channels: dict[str, Any] = {}
         self._where: dict[str, str] = {}
-        self._watched: dict[str, Callable[[Any], None]] = {}
+        self._failed: set[str] = set()
         self._returned = 0
 
     def address_of(self, mesh: str) -> str:
@@ -87,9 +86,11 @@ class _Servers:
     def channel(self, address: str) -> Any:
         with self._lock:
             if address not in self._channels:
-                self._channels[address] = grpc.insecure_channel(address, self._options) \
+                made = grpc.insecure_channel(address, self._options) \
                     if self._credentials is None else \
                     grpc.secure_channel(address, self._credentials, self._options)
+                self._channels[address] = made
+                made.subscribe(lambda state: self._changed(address, state))
             return self._channels[address]
 
     def returned(self) -> int:
@@ -97,31 +98,16 @@ class _Servers:
         with self._lock:
             return self._returned
 
-    def _watch(self, address: str) -> None:
-        """Counts when a server that could not be reached can be again.
-
-        No other one is watched: gRPC's thread for it ends with a traceback if its channel is closed.
-        """
-        def changed(state: Any) -> None:
-            if state != grpc.ChannelConnectivity.READY:
-                return
-            with self._lock:
-                if self._watched.pop(address, None) is None:
-                    return
-                self._returned += 1
-            channel.unsubscribe(changed)
-
+    def _changed(self, address: str, state: Any) -> None:
         with self._lock:
-            if address not in self._channels or address in self._watched:
-                return
-            channel = self._channels[address]
-            self._watched[address] = changed
-        channel.subscribe(changed)
+            if state == grpc.ChannelConnectivity.TRANSIENT_FAILURE:
+                self._failed.add(address)
+            elif state == grpc.ChannelConnectivity.READY and address in self._failed:
+                self._failed.discard(address)
+                self._returned += 1
 
     def learn(self, mesh: str, asked: str, error: DynmeshError) -> bool:
         """Where to ask for the mesh next. False if there is no reason to ask again."""
-        if isinstance(error, Unavailable):
-            self._watch(asked)
         owner = error.__dict__.get("owner", "")
         others = [address for address in self.addresses if address != asked]
         if error.reason == "NOT_OWNER" and owner:
@@ -138,11 +124,6 @@ class _Servers:
     def close(self) -> None:
         with self._lock:
             channels, self._channels = self._channels, {}
-            watched, self._watched = self._watched, {}
-        for address, changed in watched.items():
-            channels[address].unsubscribe(changed)
-        if watched:
-            time.sleep(_WATCH_ENDS)
         for channel in channels.values():
             channel.close()
 

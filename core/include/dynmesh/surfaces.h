@@ -82,8 +82,8 @@ struct PreparedSurface {
 // is mended, with the least tolerance that does, cracks are closed, and faces that are finer than D
 // needs become fewer. If nothing within D helps, the features are as they were read, and
 // `report.found` says why a mesh refuses them. INVALID_ARGUMENT as "file:line: what is wrong", for
-// a length that is not above 0 and finite, and if nothing is left; else as ReadInput. Expected
-// O(n lg n) for each tolerance that is tried, some ten at most.
+// a length in `choices` that is not above 0 and finite, and if nothing is left; else as ReadInput.
+// Expected O(n lg n) for each tolerance that is tried, some ten at most.
 absl::StatusOr<PreparedSurface> PrepareSurface(const std::string& path,
                                                const SurfaceChoices& choices = {});
 
@@ -94,12 +94,13 @@ struct SurfaceMesh {
   std::vector<std::string> attempts;  // why there was a second one, and others
 };
 
-// Prepares the file and makes its mesh. A surface that a mesh accepts may be too fine all the same:
-// then larger tolerances are tried, up to D, and `surface.report.least_tolerance` is the one that
-// helped. A surface that was mended is given up at 100,000 vertices, or 30 for each feature, as
-// long as a larger tolerance may help. `build` is that of all attempts; its `valid` is ignored.
-// Errors: those of PrepareSurface and BuildMesh; RESOURCE_EXHAUSTED if the mesh would have more
-// than 2,000,000 vertices, or 500 for each feature. Eight meshes at most, mostly one.
+// Prepares the file at `path`, with `choices`, and makes its mesh. A surface that a mesh accepts
+// may be too fine all the same: then larger tolerances are tried, up to D, and
+// `surface.report.least_tolerance` is the one that helped. A surface that was mended is given up at
+// 100,000 vertices, or 30 for each feature, as long as a larger tolerance may help. `build` is that
+// of all attempts; its `valid` is ignored. Errors: those of PrepareSurface and BuildMesh;
+// RESOURCE_EXHAUSTED if the mesh would have more than 2,000,000 vertices, or 500 for each feature.
+// Eight meshes at most, mostly one.
 absl::StatusOr<SurfaceMesh> BuildSurface(const std::string& path,
                                          const SurfaceChoices& choices = {},
                                          const BuildOptions& build = {});
