@@ -194,7 +194,7 @@ enum class BuildEngine : std::uint8_t {
   kSvr = 2,
 };
 
-// How a mesh is built. Nothing but `engine` changes the resulting mesh.
+// How a mesh is built. Nothing but `engine` and `only_inside` changes the resulting mesh.
 struct BuildOptions {
   BuildEngine engine = BuildEngine::kDynamic;  // the mesher
   // 3D, kDynamic: the mesh is made for what its polygons enclose, and the rest is to be dropped. If
