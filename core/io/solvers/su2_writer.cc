@@ -1,6 +1,5 @@
 #include "core/io/solvers/su2_writer.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "core/io/common/file_writer.h"
