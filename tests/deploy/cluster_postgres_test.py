@@ -99,7 +99,7 @@ class Server:
 
     def start(self, primary):
         command = ["setpriv", "--reuid=postgres", "--regid=postgres", "--clear-groups"]
-        command += ["--pdeathsig", "KILL", "bash", str(SCRIPTS / "start.sh")]
+        command += ["--pdeathsig", "KILL", "bash", str(self.entry / "start.sh")]
         with (self.folder / "log").open("a", encoding="utf-8") as log:
             self.process = subprocess.Popen(
                 command,
@@ -176,7 +176,10 @@ class Cluster(unittest.TestCase):
         entry = self.folder / "bin"
         entry.mkdir()
         stub = entry / "docker-entrypoint.sh"
-        stub.write_text(ENTRYPOINT.replace("INIT", f"{SCRIPTS}/init.sh"))
+        # The database's user may not read the folder of this clone.
+        for script in SCRIPTS.glob("*.sh"):
+            shutil.copy(script, entry)
+        stub.write_text(ENTRYPOINT.replace("INIT", f"{entry}/init.sh"))
         stub.chmod(0o755)
         self.a, self.b, self.c = self.servers = [Server(self.folder, n, entry) for n in NAMES]
 

@@ -109,8 +109,11 @@ void PostgresServer::MakeFolder() {
 pid_t PostgresServer::Spawn(const std::vector<std::string>& words) const {
   const std::string program = words[0][0] == '/' ? words[0] : Programs() + "/" + words[0];
   const std::string log = folder_ + "/log";
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  // The program finds its companions beside itself: a name without a folder would mean the PATH.
+  std::vector<char*> arguments = {const_cast<char*>(program.c_str())};
+  for (size_t i = 1; i < words.size(); ++i) {
+    arguments.push_back(const_cast<char*>(words[i].c_str()));
+  }
   arguments.push_back(nullptr);
   const passwd* const user = ServerUser();
   const pid_t child = fork();
