@@ -1,5 +1,5 @@
-// What dynmesh.mjs knows of the structures of dynmesh.h, as numbers of bytes. Checked here, where the
-// compiler for WebAssembly knows better.
+// What dynmesh.mjs knows of the structures of dynmesh.h, as numbers of bytes. Checked here, where
+// the compiler for WebAssembly knows better.
 #include <cstddef>
 
 #include "client/c/dynmesh.h"

@@ -1,5 +1,6 @@
 // Prints a new tests/golden/hashes.txt; ends with 1 if a mesh differs from that of a run from
-// scratch. With --verdicts: a new tests/golden/verdicts.txt. With --scripts: the edits of all cases.
+// scratch. With --verdicts: a new tests/golden/verdicts.txt. With --scripts: the edits of all
+// cases.
 #include <cstdio>
 #include <string_view>
 #include <utility>
