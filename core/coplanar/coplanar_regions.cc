@@ -234,7 +234,8 @@ class Finder {
     const auto [first, last] =
         std::equal_range(uses_.begin(), uses_.end(), Use{edge, 0, 0, false},
                          [](const Use& a, const Use& b) { return a.edge < b.edge; });
-    return {first, last};
+    return std::span(uses_).subspan(static_cast<std::size_t>(first - uses_.begin()),
+                                    static_cast<std::size_t>(last - first));
   }
 
   // Adds a face to the rim, unless a needed edge or corner would then not be on it.

@@ -111,7 +111,9 @@ class Facet {
   // Those that begin at corner v.
   std::span<const Edge> EdgesAt(VertexIndex v) const {
     const auto first = std::lower_bound(edges_.begin(), edges_.end(), Edge(v, 0));
-    return {first, std::upper_bound(first, edges_.end(), Edge(v, kNil))};
+    const auto end = std::upper_bound(first, edges_.end(), Edge(v, kNil));
+    return edges().subspan(static_cast<std::size_t>(first - edges_.begin()),
+                           static_cast<std::size_t>(end - first));
   }
   // True if p is less than `height` away from the plane and its foot is inside the facet.
   bool IsOver(const Point& p, double height) const {

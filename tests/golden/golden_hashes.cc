@@ -1,9 +1,12 @@
 // Prints a new tests/golden/hashes.txt; ends with 1 if a mesh differs from that of a run from
-// scratch. With --verdicts: a new tests/golden/verdicts.txt.
+// scratch. With --verdicts: a new tests/golden/verdicts.txt. With --scripts: the edits of all
+// cases.
 #include <cstdio>
 #include <string_view>
 #include <utility>
 
+#include "core/io/script/edit_script.h"
+#include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
 #include "tests/golden/golden_verdicts.h"
@@ -33,6 +36,23 @@ bool PrintHashes() {
   return good;
 }
 
+// Each case as a line with its name, and its script with all batches, those that are refused, too.
+void PrintScripts() {
+  for (const GoldenCase& golden : GoldenCases()) {
+    std::printf("case %s\n%s\n", golden.name.c_str(), io::FormatMeshLine(golden.options).c_str());
+    const auto mesh = DynamicMesh::Create(golden.options).value();
+    const GoldenCase::NextBatch next = golden.script();
+    for (int done = 0; done < golden.batches; ++done) {
+      const EditBatch batch = next(done, mesh->Features());
+      for (const Edit& edit : batch) {
+        std::puts(io::FormatEdit(edit, golden.options.dimension).c_str());
+      }
+      std::puts("commit");
+      mesh->Apply(batch).IgnoreError();
+    }
+  }
+}
+
 void PrintVerdicts() {
   std::puts(
       "# Golden verdicts: name, status code, reason, features, edit, message.\n"
@@ -46,6 +66,10 @@ void PrintVerdicts() {
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "--verdicts") {
     dynmesh::test::PrintVerdicts();
+    return 0;
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "--scripts") {
+    dynmesh::test::PrintScripts();
     return 0;
   }
   return dynmesh::test::PrintHashes() ? 0 : 1;
