@@ -148,6 +148,17 @@ class Wheel(Made):
             newest = max(newest, *map(int, re.findall(r"GLIBC_2\.(\d+)", symbols)))
         self.assertIn(f"-manylinux_2_{newest}_", self.wheel.name)
 
+    def test_the_readme_has_its_name_and_a_program_that_runs(self):
+        text = (SOURCE / "README.md").read_text()
+        # That of another system has another tag.
+        self.assertIn(f"pip install dynmesh-{self.version()}-", text)
+        program, count, corners = re.search(
+            r"(?s)```python\n(.*?)  +# (\d+) x (\d+)\n```", text).groups()
+        said = self.environment.run("-B", "-W", "error", "-c",
+                                    program.replace("tr.triangulate", "found = tr.triangulate")
+                                    + "\nprint(*found.shape)")
+        self.assertEqual(said, f"{count} {corners}\n")
+
     def test_its_module_exports_what_python_calls(self):
         said = run("nm", "-D", "--defined-only", self.unpacked(".so")).split()
         self.assertEqual(said[1:], ["T", "PyInit__core"])

@@ -8,7 +8,7 @@
 // Below 1.0 a new minor version may change the API; a new patch never does.
 #define DYNMESH_VERSION_MAJOR 0
 // The second number.
-#define DYNMESH_VERSION_MINOR 1
+#define DYNMESH_VERSION_MINOR 2
 // The third number.
 #define DYNMESH_VERSION_PATCH 0
 
