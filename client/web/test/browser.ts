@@ -1,4 +1,6 @@
 // What every browser has, and Node 18 not.
 import { webcrypto } from 'node:crypto';
 
-globalThis.crypto ??= webcrypto as Crypto;
+if (!('crypto' in globalThis)) {
+  Object.defineProperty(globalThis, 'crypto', { value: webcrypto });
+}
