@@ -5,6 +5,7 @@ that has not the mesh names the one that has it.
 """
 from __future__ import annotations
 
+import functools
 import queue
 import threading
 import time
@@ -26,6 +27,7 @@ _MOST_ATTEMPTS = 60  # of one call at several servers
 _PAUSE = 0.05  # between these, in seconds
 _PART = 512 * 1024  # bytes of a message of a load or a stream of edits, about
 _LOCATED = 30_000  # places of a request
+_POLL_ENDS = 1.0  # in seconds: that long at most until gRPC no longer asks, five times its period
 _SLICE = 0.1  # in seconds: as often a wait looks for Ctrl-C
 # Codes after which a watch is opened again, as IsPassing in C++; empty: it ended without an error.
 _PASSING = ("", "UNAVAILABLE", "UNKNOWN", "INTERNAL", "RESOURCE_EXHAUSTED", "DEADLINE_EXCEEDED")
@@ -61,6 +63,12 @@ def _parts(messages: Sequence[Any]) -> Iterator[list[Any]]:
     yield part
 
 
+def _is_polled(channel: Any) -> bool:
+    """True while a thread of gRPC asks for the channel's state: it fails if that is closed meanwhile."""
+    state = getattr(channel, "_connectivity_state", None)
+    return bool(getattr(state, "polling", False))
+
+
 class _Servers:
     """Connections, and which server has which mesh. Thread-safe."""
 
@@ -75,6 +83,7 @@ class _Servers:
         # Where it is held, Python may free a client, which ends in close().
         self._lock = threading.RLock()
         self._channels: dict[str, Any] = {}
+        self._seen: dict[str, Callable[[Any], None]] = {}  # what watches each of them
         self._where: dict[str, str] = {}
         self._failed: set[str] = set()
         self._returned = 0
@@ -90,7 +99,9 @@ class _Servers:
                     if self._credentials is None else \
                     grpc.secure_channel(address, self._credentials, self._options)
                 self._channels[address] = made
-                made.subscribe(lambda state: self._changed(address, state))
+                seen = functools.partial(self._changed, address)
+                made.subscribe(seen)
+                self._seen[address] = seen
             return self._channels[address]
 
     def returned(self) -> int:
@@ -124,7 +135,13 @@ class _Servers:
     def close(self) -> None:
         with self._lock:
             channels, self._channels = self._channels, {}
+            seen, self._seen = self._seen, {}
+        for address, channel in channels.items():
+            channel.unsubscribe(seen[address])
+        until = time.monotonic() + _POLL_ENDS
         for channel in channels.values():
+            while _is_polled(channel) and time.monotonic() < until:
+                time.sleep(0.005)
             channel.close()
 
 

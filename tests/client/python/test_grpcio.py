@@ -8,7 +8,7 @@ import pytest
 
 import dynmesh
 from dynmesh import _batch
-from dynmesh._grpcio import Client
+from dynmesh._grpcio import Client, _Servers
 from dynmesh.v1 import mesh_pb2
 
 
@@ -118,3 +118,33 @@ def test_a_return_of_a_server_is_counted_once():
     servers._failed = SlowSet(["127.0.0.1:1"])
     in_threads(lambda _: servers._changed("127.0.0.1:1", grpc.ChannelConnectivity.READY))
     assert client.servers_returned() == 1
+
+
+class PolledChannel:
+    """As gRPC's, where a thread asks for its state for some time after the last watch has ended."""
+
+    def __init__(self):
+        self._connectivity_state = self
+        self.polling = False
+        self.watches = []
+        self.was_polled = None
+
+    def subscribe(self, callback):
+        self.watches.append(callback)
+        self.polling = True
+
+    def unsubscribe(self, callback):
+        self.watches.remove(callback)
+        threading.Timer(0.2, lambda: setattr(self, "polling", False)).start()
+
+    def close(self):
+        self.was_polled = self.polling
+
+
+def test_a_channel_is_closed_when_its_state_is_no_longer_asked_for(monkeypatch):
+    channel = PolledChannel()
+    monkeypatch.setattr(grpc, "insecure_channel", lambda *_: channel)
+    servers = _Servers("127.0.0.1:1", None, False)
+    assert servers.channel("127.0.0.1:1") is channel and len(channel.watches) == 1
+    servers.close()
+    assert not channel.watches and channel.was_polled is False
