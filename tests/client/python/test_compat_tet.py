@@ -7,14 +7,9 @@ import pytest
 
 import compat_checks as checks
 import dynmesh
+from compat_inputs import NESTED, TOWER
 from dynmesh.compat import Unsupported, tetgen
 from dynmesh.compat.meshpy.tet import MeshInfo, Options, build
-
-TOWER = checks.box_of((0, 0, 0), (2, 2, 12))
-# A box with a box in it.
-_OUTER, _OUTER_FACES = checks.box_of((0, 0, 0), (3, 3, 3))
-_INNER, _INNER_FACES = checks.box_of((1, 1, 1), (2, 2, 2), 8)
-NESTED = _OUTER + _INNER, _OUTER_FACES + _INNER_FACES
 
 
 def info_of(body, markers=None):
