@@ -271,8 +271,8 @@ class Installed(Folder):
             f"find_package(dynmesh {wanted} QUIET)\n"
             f'if(NOT "${{dynmesh_FOUND}}" STREQUAL {int(found)})\n'
             f'message(FATAL_ERROR "{wanted} found: ${{dynmesh_FOUND}}")\nendif()\n'
-            for wanted, found in (("0.0", False), ("1.0", False), ("99", False), ("0.1", True),
-                                  (version(), True))
+            for wanted, found in (("0.1", False), ("1.0", False), ("99", False),
+                                  (version().rpartition(".")[0], True), (version(), True))
         ))
 
     def test_an_error_says_which_version_there_is(self):
