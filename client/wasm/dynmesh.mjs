@@ -66,17 +66,34 @@ function flagsOf(table, chosen) {
   return sum;
 }
 
-function toIds(ids) {
-  if (ids instanceof BigUint64Array) return ids;
-  return BigUint64Array.from(ids, (id) => {
-    if (typeof id !== "bigint" && !Number.isSafeInteger(id)) throw invalid(`${id} is no id`);
-    if (id < 0 || id >= 2n ** 64n) throw invalid(`the id ${id} is not from 0 to 2^64 - 1`);
-    return BigInt(id);
-  });
+function toBigInt(value, what) {
+  if (typeof value === "bigint") return value;
+  if (!Number.isSafeInteger(value)) throw invalid(`${value} is no ${what}`);
+  return BigInt(value);
 }
+
+function toUnsigned(value, what) {
+  const big = toBigInt(value, what);
+  if (BigInt.asUintN(64, big) === big) return big;
+  throw invalid(`the ${what} ${value} is not from 0 to 2^64 - 1`);
+}
+
+function toMarker(value) {
+  const big = toBigInt(value, "marker");
+  if (BigInt.asIntN(64, big) === big) return big;
+  throw invalid(`the marker ${value} is not from -2^63 to 2^63 - 1`);
+}
+
+const toIds = (ids) =>
+  ids instanceof BigUint64Array ? ids : BigUint64Array.from(ids, (id) => toUnsigned(id, "id"));
 
 const toNumbers = (numbers) =>
   numbers instanceof Float64Array ? numbers : Float64Array.from(numbers);
+
+function toDimension(dimension) {
+  if (dimension === 2 || dimension === 3) return dimension;
+  throw invalid(`dimension: ${dimension} is neither 2 nor 3`);
+}
 
 // The module: calls, and memory for them.
 class Core {
@@ -185,6 +202,7 @@ class Arena {
   }
 
   string(text) {
+    if (`${text}`.includes("\0")) throw invalid("a text has a character 0");
     return this.copy(new TextEncoder().encode(`${text}\0`));
   }
 
@@ -210,6 +228,12 @@ class Handle {
     return this.#at;
   }
 
+  // Where an argument is: in another module's memory, or of another class, its number means nothing.
+  other(object, Class) {
+    if (object instanceof Class && object.core === this.core) return object.at;
+    throw invalid(`an argument is no ${Class.name} of the same module`);
+  }
+
   close() {
     if (this.#at === 0) return;
     this.core.freed.unregister(this);
@@ -221,8 +245,8 @@ if (Symbol.dispose) Handle.prototype[Symbol.dispose] = Handle.prototype.close;
 
 class Batch extends Handle {
   // The number of coordinates of each place.
-  constructor(core, dimension, at = core.make("dynmesh_batch_new"), free = "_dynmesh_batch_free") {
-    super(core, at, free);
+  constructor(core, dimension) {
+    super(core, core.make("dynmesh_batch_new"), "_dynmesh_batch_free");
     this.dimension = dimension;
   }
 
@@ -257,11 +281,11 @@ class Batch extends Handle {
     const corners = [];
     const ends = [];
     for (const ring of rings) {
-      corners.push(...ring);
+      for (const corner of ring) corners.push(corner);
       ends.push(corners.length);
     }
     return this.#call("dynmesh_add_polygon", (arena) => [
-      numberOf(ACTIONS, action, "action"), toIds([id])[0], arena.column(toIds(corners)),
+      numberOf(ACTIONS, action, "action"), toUnsigned(id, "id"), arena.column(toIds(corners)),
       arena.column(toIds(ends)),
     ]);
   }
@@ -286,7 +310,7 @@ class Batch extends Handle {
 
   setLabel(id, { marker = 0, name = "" }) {
     return this.#call("dynmesh_set_label", (arena) => [
-      toIds([id])[0], BigInt(marker), arena.string(name),
+      toUnsigned(id, "id"), toMarker(marker), arena.string(name),
     ]);
   }
 }
@@ -317,8 +341,9 @@ class Mesh extends Handle {
     this.core.with((arena) => {
       const options = arena.take(24);
       this.core.module._dynmesh_fill_apply_options(options, 24);
-      this.core.view().setBigUint64(options + 16, BigInt(maxOperations), true);
-      this.core.call("dynmesh_apply", this.at, batch.at, options);
+      const most = toUnsigned(maxOperations, "number of operations");
+      this.core.view().setBigUint64(options + 16, most, true);
+      this.core.call("dynmesh_apply", this.at, this.other(batch, Batch), options);
     });
     return this;
   }
@@ -343,6 +368,9 @@ class Mesh extends Handle {
   }
 
   carry(values, { kind = "p1", components = 1, rings, bounded = false } = {}) {
+    if (!Number.isSafeInteger(components) || components < 1) {
+      throw invalid("a field has 1 component or more");
+    }
     return this.core.with((arena) => {
       const field = arena.take(20);
       this.core.module._dynmesh_fill_field(field, 20);
@@ -354,6 +382,9 @@ class Mesh extends Handle {
       const rows = this.count(BY_VERTEX.includes(kind) ? "vertexSlots" : "cellSlots");
       const width = components * (BY_CORNER.includes(kind) ? this.dimension + 1 : 1);
       if (values.length > rows * width) throw invalid(`the field has more than ${rows} rows`);
+      if (values.length % width !== 0) {
+        throw invalid(`${values.length} numbers are no rows of ${width}`);
+      }
       const carried = new Float64Array(rows * width);
       carried.set(values);
       const at = arena.copy(carried);
@@ -376,9 +407,8 @@ class Mesh extends Handle {
   }
 
   write(name, { part, ...flags } = {}) {
-    return inFolder(this.core, {}, (folder, arena) => {
-      const path = arena.string(`${folder}/${name}`);
-      const wanted = part === undefined ? 0 : part.at;
+    return inFolder(this.core, name, {}, (folder, path) => {
+      const wanted = part === undefined ? 0 : this.other(part, Part);
       this.core.call("dynmesh_write", this.at, wanted, path, flagsOf(WRITE_FLAGS, flags));
       const { FS } = this.core.module;
       const names = FS.readdir(folder).filter((entry) => entry !== "." && entry !== "..");
@@ -393,7 +423,7 @@ class Part extends Handle {
   }
 
   update(mesh) {
-    this.core.call("dynmesh_part_update", this.at, mesh.at);
+    this.core.call("dynmesh_part_update", this.at, this.other(mesh, Mesh));
     return this;
   }
 
@@ -417,7 +447,9 @@ class Input extends Handle {
   openMesh(dynmesh, options = {}) {
     const mesh = dynmesh.open({ ...this.options, ...options });
     try {
-      return mesh.apply({ at: this.core.module._dynmesh_input_batch(this.at) });
+      const at = this.other(mesh, Mesh);
+      this.core.call("dynmesh_apply", at, this.core.module._dynmesh_input_batch(this.at), 0);
+      return mesh;
     } catch (error) {
       mesh.close();
       throw error;
@@ -444,29 +476,44 @@ function readOptions(view, at) {
   };
 }
 
-function writeOptions(view, at, given) {
+function writeOptions(view, at, dimension, given) {
   if (given.kind !== undefined) view.setInt32(at + 8, numberOf(KINDS, given.kind, "kind"), true);
   if (given.criterion !== undefined) {
     view.setInt32(at + 12, numberOf(CRITERIA, given.criterion, "criterion"), true);
   }
-  given.low?.forEach((x, i) => view.setFloat64(at + 24 + 8 * i, x, true));
-  given.high?.forEach((x, i) => view.setFloat64(at + 48 + 8 * i, x, true));
+  for (const [name, offset] of [["low", 24], ["high", 48]]) {
+    const corner = given[name];
+    if (corner === undefined) continue;
+    if (corner.length !== dimension) {
+      throw invalid(`${name}: ${corner.length} numbers, not ${dimension}`);
+    }
+    corner.forEach((x, i) => view.setFloat64(at + offset + 8 * i, x, true));
+  }
   if (given.quality !== undefined) view.setFloat64(at + 72, given.quality, true);
   if (given.maxEdge !== undefined) view.setFloat64(at + 80, given.maxEdge, true);
   if (given.minDihedral !== undefined) view.setFloat64(at + 88, given.minDihedral, true);
   if (given.maxVertices !== undefined) {
-    view.setBigUint64(at + 96, BigInt(given.maxVertices), true);
+    view.setBigUint64(at + 96, toUnsigned(given.maxVertices, "number of vertices"), true);
   }
 }
 
-// The result of use(folder, arena), where a folder of the module has the files until then.
-function inFolder(core, files, use) {
+// The result of use(folder, path, arena), where a folder of the module has the files until then, and
+// `path` is that of the file `main` there.
+function inFolder(core, main, files, use) {
+  for (const name of [main, ...Object.keys(files)]) {
+    if (/^\.{0,2}$|[/\0]/.test(name)) throw invalid(`"${name}" is no name of a file, without folders`);
+  }
+  for (const [name, bytes] of Object.entries(files)) {
+    if (!ArrayBuffer.isView(bytes)) throw invalid(`the content of ${name} is no array of bytes`);
+  }
   const { FS } = core.module;
   const folder = "/files";
   FS.mkdir(folder);
   try {
-    for (const [name, bytes] of Object.entries(files)) FS.writeFile(`${folder}/${name}`, bytes);
-    return core.with((arena) => use(folder, arena));
+    for (const [name, { buffer, byteOffset, byteLength }] of Object.entries(files)) {
+      FS.writeFile(`${folder}/${name}`, new Uint8Array(buffer, byteOffset, byteLength));
+    }
+    return core.with((arena) => use(folder, arena.string(`${folder}/${main}`)));
   } finally {
     for (const name of FS.readdir(folder)) {
       if (name !== "." && name !== "..") FS.unlink(`${folder}/${name}`);
@@ -486,27 +533,25 @@ class Dynmesh {
   }
 
   open(options = {}) {
-    const { dimension = 2 } = options;
+    const dimension = toDimension(options.dimension ?? 2);
     const core = this.#core;
     return core.with((arena) => {
       const at = arena.take(OPTIONS);
       core.module._dynmesh_fill_options(dimension, at, OPTIONS);
-      writeOptions(core.view(), at, options);
+      writeOptions(core.view(), at, dimension, options);
       return new Mesh(core, core.make("dynmesh_open", at), dimension);
     });
   }
 
   batch(dimension = 2) {
-    return new Batch(this.#core, dimension);
+    return new Batch(this.#core, toDimension(dimension));
   }
 
   read(name, files, flags = {}) {
     const core = this.#core;
     const given = ArrayBuffer.isView(files) ? { [name]: files } : files;
-    return inFolder(core, given, (folder, arena) => {
-      const path = arena.string(`${folder}/${name}`);
-      return new Input(core, core.make("dynmesh_read", path, flagsOf(READ_FLAGS, flags)));
-    });
+    return inFolder(core, name, given, (folder, path) =>
+      new Input(core, core.make("dynmesh_read", path, flagsOf(READ_FLAGS, flags))));
   }
 
   get memory() {

@@ -77,6 +77,93 @@ test("errors have code, reason, features and edit, and change nothing", () => {
   batch.close();
 });
 
+const isInvalid = (error) => error instanceof DynmeshError && error.code === "INVALID_ARGUMENT";
+const refuses = (call) => assert.throws(call, isInvalid, `${call}`);
+
+test("objects of another class or module are refused", async () => {
+  const another = await load();
+  const mesh = dynmesh.open();
+  const batch = another.batch().addPoints([1], [0.5, 0.5]);
+  const part = mesh.part();
+  const theirs = another.open();
+  refuses(() => mesh.apply(batch));
+  refuses(() => mesh.apply(part));
+  refuses(() => mesh.apply({ at: 8 }));
+  refuses(() => part.update(theirs));
+  refuses(() => mesh.write("a.vtu", { part: mesh }));
+  refuses(() => theirs.write("a.vtu", { part }));
+  const input = dynmesh.read("a.node", new TextEncoder().encode("1 2 0 0\n1 0.5 0.5\n"));
+  refuses(() => input.openMesh(another));
+  for (const object of [mesh, batch, part, theirs, input]) object.close();
+});
+
+test("what does not fit into the library's structures is refused", () => {
+  refuses(() => dynmesh.open({ low: [0, 0], high: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1] }));
+  refuses(() => dynmesh.open({ low: [0] }));
+  refuses(() => dynmesh.open({ dimension: 4 }));
+  refuses(() => dynmesh.batch("2"));
+  refuses(() => dynmesh.open({ maxVertices: 0.5 }));
+  const mesh = dynmesh.open();
+  const batch = dynmesh.batch().addPoints([1], [0.5, 0.5]);
+  refuses(() => mesh.apply(batch, { maxOperations: -1 }));
+  mesh.apply(batch);
+  refuses(() => mesh.carry(new Float64Array(2), { components: 1.1 }));
+  refuses(() => mesh.carry(new Float64Array(3), { components: 2 }));
+  batch.clear();
+  refuses(() => batch.setLabel(1, { marker: 2n ** 63n }));
+  refuses(() => batch.setLabel(1, { marker: 0.5 }));
+  refuses(() => batch.setLabel(1, { name: "a\0b" }));
+  refuses(() => batch.remove([2n ** 64n]));
+  refuses(() => batch.addPolygon(-1, [[1, 2, 3]]));
+  assert.equal(batch.length, 0);
+  mesh.apply(batch.setLabel(1, { marker: -(2n ** 63n), name: "Riß 𝔸" }));
+  for (const name of ["", "..", "../a.vtu", "folder/a.vtu"]) {
+    refuses(() => mesh.write(name));
+    refuses(() => dynmesh.read(name, new Uint8Array(1)));
+  }
+  refuses(() => dynmesh.read("a.node", { "a.node": new Uint8Array(1), "b/c": new Uint8Array(1) }));
+  refuses(() => dynmesh.read("a.node", "1 2 0 0"));
+  assert.ok(mesh.write("a.vtu")["a.vtu"].length > 0);
+  batch.close();
+  mesh.close();
+});
+
+test("a ring may have more corners than a call has arguments", () => {
+  const batch = dynmesh.batch();
+  const ring = BigUint64Array.from({ length: 200_000 }, (_, i) => BigInt(i + 1));
+  assert.equal(batch.addPolygon(1_000_000, [ring]).length, 1);
+  batch.close();
+});
+
+test("beyond 2 GB all is the same, and memory that ends is an error", async () => {
+  const another = await load();
+  const first = crack(another, 10);
+  const batch = another.batch();
+  const { module } = batch.core;
+  const blocks = [];
+  const reserve = (bytes, most) => {
+    for (let at = 1; another.memory < most && at !== 0; ) {
+      at = module._malloc(bytes);
+      if (at !== 0) blocks.push(at);
+    }
+  };
+  reserve(1e8, 2.5e9);
+  assert.equal(crack(another, 10), first);
+  const input = another.read("a.node", new TextEncoder().encode("2 2 0 0\n1 0 0\n2 1 1\n"));
+  const mesh = input.openMesh(another);
+  assert.ok(mesh.at > 2 ** 31);
+  assert.ok(mesh.write("a.vtu")["a.vtu"].length > 0);
+  reserve(1e7, 2 ** 32);
+  const code = (name) => (error) => error instanceof DynmeshError && error.code === name;
+  const ids = BigUint64Array.from({ length: 4e6 }, (_, i) => BigInt(10 + i));
+  for (let i = 0; i < 3; ++i) assert.throws(() => batch.remove(ids), code("RESOURCE_EXHAUSTED"));
+  assert.equal(batch.length, 0);
+  mesh.apply(batch.addPoints([3], [0.5, 0.25]));
+  for (const at of blocks) module._free(at);
+  assert.equal(crack(another, 10), first);
+  for (const object of [batch, input, mesh]) object.close();
+});
+
 test("arrays, diffs, places", () => {
   const mesh = dynmesh.open();
   const batch = dynmesh.batch().addPoints([1n], [0.5, 0.5]);
