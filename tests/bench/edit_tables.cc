@@ -4,6 +4,8 @@
 //   dynmesh_edit_tables batches [FILE.poly ...]   k nearby edits at once against one by one
 //   dynmesh_edit_tables rebuild [FILE.poly ...]   propagating a large batch against building
 //                                                 anew (LiveMeshTuning)
+//   dynmesh_edit_tables triangulations [MOST]     single edits of triangulations of 1,000,
+//                                                 100,000 and, up to MOST, 1,000,000 points
 //
 // On uniform points, and on each file: coastlines, where subsegments are removed and put back,
 // points move with their segments, and small sizing discs are added and removed. Times are
@@ -13,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -401,6 +404,74 @@ void PrintRebuild(const Input& input, double rho) {
   }
 }
 
+// `n` points, n / 10 segments between some of them, which cross a few edges but no other one: each
+// is in a cell of its own of a lattice.
+std::vector<Feature> ShortSegments(int n, Random& random) {
+  std::vector<Feature> features;
+  std::vector<Feature> segments;
+  const int cells = static_cast<int>(std::ceil(std::sqrt(n / 10.0)));
+  FeatureId id = 1;
+  for (int i = 0; i < n / 10; ++i) {
+    const double x = i % cells, y = i / cells;
+    const double cx = x + 0.4 + 0.2 * random.Unit(), cy = y + 0.4 + 0.2 * random.Unit();
+    for (const double side : {-0.35, 0.35}) {
+      const double px = (cx + side * (0.3 + 0.7 * random.Unit())) / cells;
+      const double py = (cy + side * (2 * random.Unit() - 1)) / cells;
+      features.push_back(Feature::Point(id++, px, py));
+    }
+    segments.push_back(Feature::Segment(FreshId(static_cast<std::size_t>(i)), id - 2, id - 1));
+  }
+  while (id <= static_cast<FeatureId>(n)) {
+    features.push_back(Feature::Point(id++, random.Unit(), random.Unit()));
+  }
+  features.insert(features.end(), segments.begin(), segments.end());
+  return features;
+}
+
+void PrintTriangulations(int n) {
+  Random random(1);
+  const std::vector<Feature> features = ShortSegments(n, random);
+  MeshOptions options;
+  options.box = {{0, 0}, {1, 1}};
+  options.kind = MeshKind::kTriangulation;
+  LiveMesh<2> mesh(options);
+  const double start = ThreadSeconds();
+  const auto loaded = mesh.Apply(AddAll(features), ApplyOptions{});
+  const double end = ThreadSeconds();
+  if (!loaded.ok()) {
+    std::fprintf(stderr, "%s\n", loaded.status().ToString().c_str());
+    std::exit(1);
+  }
+  std::printf("\n%d points, %d segments: load %.3f s\n", n, n / 10, end - start);
+  std::printf("%-22s %8s %8s %8s %8s | %9s\n", "edit", "p50 us", "p90", "p99", "max", "triangles");
+  for (const bool of_points : {true, false}) {
+    std::vector<double> gone, came, changed;
+    while (gone.size() < 2000) {
+      // A point that no segment has, or a segment.
+      const int lone = n - n / 5;
+      const Feature& f = features[static_cast<std::size_t>(of_points ? n / 5 + random.Below(lone)
+                                                                     : n + random.Below(n / 10))];
+      for (const auto& [edit, times] :
+           {std::pair{Edit::Remove(f.id), &gone}, std::pair{Edit::Add(f), &came}}) {
+        const EditBatch batch = {edit};
+        const double before = ThreadSeconds();
+        const auto diff = mesh.Apply(batch, ApplyOptions{});
+        times->push_back(1e6 * (ThreadSeconds() - before));
+        if (!diff.ok()) std::abort();
+        changed.push_back(
+            static_cast<double>(diff->added_simplex_count() + diff->removed_simplex_count()));
+      }
+    }
+    for (const auto& [name, times] :
+         {std::pair{of_points ? "a point goes" : "a segment goes", &gone},
+          std::pair{of_points ? "a point comes" : "a segment comes", &came}}) {
+      std::printf("%-22s %8.1f %8.1f %8.1f %8.1f | %9.0f\n", name, cli::Percentile(*times, 0.5),
+                  cli::Percentile(*times, 0.9), cli::Percentile(*times, 0.99),
+                  cli::Percentile(*times, 1), cli::Percentile(changed, 0.5));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh
 
@@ -420,8 +491,16 @@ int main(int argc, char** argv) {
     }
   } else if (mode == "rebuild") {
     for (const Input& input : Inputs(files, {1'000, 10'000, 100'000})) PrintRebuild(input, kRoot2);
+  } else if (mode == "triangulations") {
+    const int most = argc > 2 ? std::atoi(argv[2]) : 100'000;
+    for (const int n : {1'000, 100'000, 1'000'000}) {
+      if (n <= most) PrintTriangulations(n);
+    }
   } else {
-    std::fprintf(stderr, "usage: %s edits|batches|rebuild [FILE.poly ...]\n", argv[0]);
+    std::fprintf(stderr,
+                 "usage: %s edits|batches|rebuild [FILE.poly ...]\n"
+                 "       %s triangulations [MOST]\n",
+                 argv[0], argv[0]);
     return 2;
   }
 }

@@ -32,6 +32,9 @@ DEBIAN = pathlib.Path("/usr/lib/python3/dist-packages")
 BESIDE = ("numpy", "scipy", "meshio", "rich")  # numpy, and what the example needs
 LARGEST = 15_000_000  # bytes of a wheel
 LONGEST = 0.15  # seconds of processor time to import it after numpy; looked at by night
+IMPORTS = ((r"^import triangle as tr$", "import dynmesh.compat.triangle as tr"),
+           (r"^from meshpy([. ])", r"from dynmesh.compat.meshpy\1"),
+           (r"^import tetgen$", "from dynmesh.compat import tetgen"))
 COMPILERS = ("cc", "c++", "gcc", "g++", "clang", "cmake", "ninja", "make")
 
 
@@ -199,8 +202,22 @@ class Wheel(Made):
         # An example, which judges itself.
         self.environment.run("-B", SOURCE / "examples/heat_crack.py", "--edge", "0.1",
                              "--steps", "3", "--out", self.folder / "heat")
-        said = self.environment.run(SOURCE / "tests/package/consumer/compat.py")
-        self.assertEqual(said.split(), ["triangle", "meshpy.triangle", "meshpy.tet", "tetgen"])
+
+    def test_programs_for_other_packages_run_with_one_import_changed(self):
+        programs = sorted((SOURCE / "tests/package/programs").glob("*.py"))
+        self.assertEqual(len(programs), 5)
+        for program in programs:
+            with self.subTest(program.name):
+                text = program.read_text()
+                self.assertNotIn("dynmesh", text)
+                changed = [re.sub(pattern, there, text, flags=re.M) for pattern, there in IMPORTS
+                           if re.search(pattern, text, re.M)]
+                self.assertEqual(len(changed), 1)
+                lines = list(zip(text.split("\n"), changed[0].split("\n"), strict=True))
+                self.assertEqual(sum(old != new for old, new in lines), 1)
+                here = self.folder / program.name
+                here.write_text(changed[0])
+                self.environment.run("-B", "-W", "error", here)
 
     def test_the_command_runs(self):
         script = self.folder / "plate.dynmesh"
