@@ -19,7 +19,6 @@ import compat_checks as checks
 import dynmesh.compat.triangle as tr
 from compat_inputs import AREAS, NESTED, TOWER
 from dynmesh import DynmeshError
-from dynmesh.compat import Unsupported
 from dynmesh.compat.meshpy.tet import MeshInfo, Options, build
 
 PLANAR = [
@@ -115,6 +114,15 @@ def false_faces(mesh, body):
     return False
 
 
+def overlaps(points, cells):
+    """Whether a cell is there twice or turned over, or a face has more than two cells."""
+    sizes = checks.measures(points, cells)
+    rows = np.sort(cells, axis=1)
+    faces = np.concatenate([np.delete(rows, i, axis=1) for i in range(rows.shape[1])])
+    return bool((sizes.min() < 0 < sizes.max()) or len(np.unique(rows, axis=0)) < len(rows)
+                or np.unique(faces, axis=0, return_counts=True)[1].max() > 2)
+
+
 def faults(mesh, name, switches):
     """What of the promises does not hold, in words; and the measures of the row."""
     dimension = mesh.points.shape[1]
@@ -123,14 +131,12 @@ def faults(mesh, name, switches):
     found = []
     if dimension == 2:
         tri, size = AREAS[name]
-        if "c" in switches:
-            size = 9.0  # the convex hull of the box; its hole stays
-            size -= 1.0
         seeds = tri.get("regions", [])
         least = checks.angles(mesh.points, cells).min()
-        bound = number_after("q", switches) if number_after("q", switches) is not None else 20
+        bound = number_after("q", switches)
         shape = f"{least:.1f}"
-        if "q" in switches and least < bound - 1e-9 and "Y" not in switches:
+        if ("q" in switches and least < (20 if bound is None else bound) - 1e-9
+                and "Y" not in switches):
             found.append("angle")
         if mesh.pieces is not None and false_markers(mesh, [
                 (tri["vertices"][a], tri["vertices"][b], int(marker)) for (a, b), marker in
@@ -149,7 +155,7 @@ def faults(mesh, name, switches):
             found.append("angle")
         if mesh.pieces is not None and false_faces(mesh, body):
             found.append("markers")
-    if abs(sizes.sum() - size) > 1e-9 * size:
+    if abs(sizes.sum() - size) > 1e-9 * size or overlaps(mesh.points, cells):
         found.append("domain")
     if exceeded(mesh, switches, seeds, sizes, dimension):
         found.append("size")
@@ -195,7 +201,7 @@ def solid(name, switches):
 def ours(name, switches):
     try:
         return planar(name, switches) if name in AREAS else solid(name, switches)
-    except (Unsupported, DynmeshError) as refusal:
+    except DynmeshError as refusal:
         return refusal
 
 
@@ -206,9 +212,9 @@ def rows(path):
     return [line for line in lines if line]
 
 
-def table(path):
-    """The rows of a file without their numbers, and the first number."""
-    lines = rows(path)
+def table(path, header=0):
+    """The rows behind a header without their numbers, and the first number."""
+    lines = rows(path)[header:]
     data = np.array(lines[1:1 + int(lines[0][0])], float)
     return data[:, 1:], int(data[0, 0])
 
@@ -244,18 +250,17 @@ def theirs(program, name, switches):
             return Failed(said.stdout)
         dimension = 2 if name in AREAS else 3
         nodes, first = table(folder / "in.1.node")
-        lines = rows(folder / "in.1.ele")
-        corners = int(lines[0][1])
         elements, _ = table(folder / "in.1.ele")
+        attributes = 1 if "A" in switches else 0
+        corners = elements.shape[1] - attributes
         mesh = Mesh(nodes[:, :dimension], elements[:, :corners].astype(int) - first)
-        if "A" in switches:
+        if attributes:
             mesh.attributes = elements[:, corners]
         if "n" in switches and (folder / "in.1.neigh").exists():
             neighbours = table(folder / "in.1.neigh")[0].astype(int)
             mesh.neighbours = np.where(neighbours < 0, -1, neighbours - first)
         if dimension == 2:
-            lines = rows(folder / "in.1.poly")  # no vertices, segments, holes
-            pieces = np.array(lines[2:2 + int(lines[1][0])], float)[:, 1:]
+            pieces, _ = table(folder / "in.1.poly", header=1)  # behind that of no vertices
         else:
             pieces, _ = table(folder / "in.1.face")
         mesh.pieces, mesh.markers = pieces[:, :-1].astype(int)[:, :dimension] - first, pieces[:, -1]
