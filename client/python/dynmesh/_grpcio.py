@@ -82,8 +82,7 @@ class _Servers:
             ("grpc.min_reconnect_backoff_ms", 1_000), ("grpc.max_reconnect_backoff_ms", 500)]
         # Where it is held, Python may free a client, which ends in close().
         self._lock = threading.RLock()
-        self._channels: dict[str, Any] = {}
-        self._seen: dict[str, Callable[[Any], None]] = {}  # what watches each of them
+        self._channels: dict[str, tuple[Any, Callable[[Any], None]]] = {}  # each with its watch
         self._where: dict[str, str] = {}
         self._failed: set[str] = set()
         self._returned = 0
@@ -98,11 +97,10 @@ class _Servers:
                 made = grpc.insecure_channel(address, self._options) \
                     if self._credentials is None else \
                     grpc.secure_channel(address, self._credentials, self._options)
-                self._channels[address] = made
-                seen = functools.partial(self._changed, address)
-                made.subscribe(seen)
-                self._seen[address] = seen
-            return self._channels[address]
+                watch = functools.partial(self._changed, address)
+                self._channels[address] = made, watch
+                made.subscribe(watch)
+            return self._channels[address][0]
 
     def returned(self) -> int:
         """How often a server could be reached again."""
@@ -135,11 +133,10 @@ class _Servers:
     def close(self) -> None:
         with self._lock:
             channels, self._channels = self._channels, {}
-            seen, self._seen = self._seen, {}
-        for address, channel in channels.items():
-            channel.unsubscribe(seen[address])
+        for channel, watch in channels.values():
+            channel.unsubscribe(watch)
         until = time.monotonic() + _POLL_ENDS
-        for channel in channels.values():
+        for channel, _ in channels.values():
             while _is_polled(channel) and time.monotonic() < until:
                 time.sleep(0.005)
             channel.close()
